@@ -1,11 +1,17 @@
 //! The Kalman filter that estimates a whisker's length.
 //!
 //! State: x = (o0, o1, lambda, b, t, c). `o0 + o1 (a - 0.725)` is the whisker's offset from the model in log
-//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`; `b` is the gauge's
+//! sensitivity, which is smooth in the contact ratio; `lambda = ln(length / whole length)`, as the model would have it; `b` is the gauge's
 //! baseline, its strain without deflection; `t` is the change of log sensitivity per kelvin and `c` per mm of
 //! deflection, the curvature of the rubber's response. One contact at contact ratio a, deflection d, pressure Q and
 //! T kelvin above the reference observes
 //! `ln strain = ln(d s_model(a, L e^lambda, Q) e^(o0 + o1 (a - 0.725) + t T + c (d - 3 mm)) + b) + noise`.
+//!
+//! A cut does not change the whisker between base and contact. So the offset belongs to the distance from the base, and at
+//! a contact ratio it moves with the length, by `o1 a lambda`. The filter takes that for a part of the change of length, in
+//! a share of o1 that is nearly the same for all whiskers. The stated length is corrected for it ([`Self::length`]).
+//! Another modulus of the rubber makes a slope of the offset, and with it a cut of another size for the same change of
+//! sensitivity.
 //!
 //! Priors separate offset and length. At the start the length is known from the factsheet and the offset is not.
 //! Afterwards the length may wander (erosion, trims) and the offset does not, except when the pressure changes,
@@ -51,9 +57,15 @@ const SHARE_DOUBT: f64 = 1.5;
 const SLOPE_SD: f64 = 0.2;
 /// Least weight of an outlier, so that the filter can never lock itself out.
 const LEAST_SOUND: f64 = 1e-3;
-/// Relative standard deviation of the model's d ln s / d ln L, over calibrations 10 % off, in either formulation.
-/// Contacts cannot reduce it, so every change of length keeps this uncertainty.
+/// Relative standard deviation of the model's d ln s / d ln L. Calibrations and formulations make 0.006, with the offset at
+/// its distance from the base, and an error of 0.01 that all contact ratios share makes 0.014. Contacts cannot reduce it,
+/// so every change of length keeps this uncertainty.
 const MODEL_SLOPE_SD: f64 = 0.015;
+/// Share of the offset's slope in the change of log length: contact ratio over d ln s / d ln L. Over moduli of 0.5 to 2.5 MPa,
+/// calibrations 10 % off, both formulations and cuts of 2 to 16 mm it is 0.325 to 0.335.
+const OFFSET_SHARE: f64 = 0.33;
+/// Least factor that the slope may make of a change of length.
+const LEAST_SHARE: f64 = 0.5;
 /// Least share of the expected strain that must come from deflection.
 const LEAST_BY_DEFLECTION: f64 = 0.2;
 /// Bounds of the state and of its variances: e^20 is 5e8.
@@ -119,6 +131,9 @@ pub struct LengthFilter {
     /// ten-thousandth or more, well above rounding.
     mean: [f32; STATES],
     covariance: Symmetric,
+    /// Least standard deviation of the length, mm; 0 for none. Stored as a part of the whisker.
+    #[borsh(skip)]
+    least_sd_mm: f32,
 }
 
 fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Error> {
@@ -180,7 +195,7 @@ impl LengthFilter {
             params.bend_per_mm,
         ];
         let covariance = Symmetric::diagonal(prior.map(|sd| sd.powi(2)));
-        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance }
+        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, least_sd_mm: 0.0 }
     }
 
     /// Keeps the length and its uncertainty, and forgets offset and baseline.
@@ -188,6 +203,7 @@ impl LengthFilter {
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
         anew.mean[LENGTH] = self.mean[LENGTH];
+        anew.least_sd_mm = self.least_sd_mm;
         anew.covariance.widen(LENGTH, self.covariance.variance(LENGTH) - anew.covariance.variance(LENGTH));
         anew
     }
@@ -195,12 +211,37 @@ impl LengthFilter {
     /// Present length with its standard deviation.
     #[must_use]
     pub fn length(&self) -> LengthEstimate {
-        let length_mm = (self.whole_length_mm * self.log_length().exp()).clamp(1.0, 1000.0);
-        let by_model = MODEL_SLOPE_SD * self.log_length();
-        LengthEstimate {
-            length: Millimetre::known(length_mm),
-            sd_mm: length_mm * (self.covariance.variance(LENGTH).max(0.0) + by_model.powi(2)).sqrt(),
-        }
+        let log_length = self.log_length() * self.per_log();
+        let length_mm = (self.whole_length_mm * log_length.exp()).clamp(1.0, 1000.0);
+        let by_slope = OFFSET_SHARE * self.covariance.variance(1).max(0.0).sqrt();
+        let by_model = MODEL_SLOPE_SD.hypot(by_slope) * log_length;
+        let learned_sd = self.covariance.variance(LENGTH).max(0.0).sqrt() * self.per_log();
+        let sd_mm = length_mm * learned_sd.hypot(by_model);
+        LengthEstimate { length: Millimetre::known(length_mm), sd_mm: sd_mm.max(self.least_sd_mm.into()) }
+    }
+
+    /// Change of the whisker's log length for a change of lambda.
+    #[must_use]
+    pub fn per_log(&self) -> f64 {
+        1.0 / (1.0 - OFFSET_SHARE * f64::from(self.mean[1])).max(LEAST_SHARE)
+    }
+
+    /// Length by the model alone, mm, which goes with an offset at the contact ratio.
+    fn model_length(&self) -> Millimetre {
+        Millimetre::known((self.whole_length_mm * self.log_length().exp()).clamp(1.0, 1000.0))
+    }
+
+    /// Least standard deviation of the length, mm; 0 for none. Contacts do not reduce it.
+    #[must_use]
+    pub fn least_sd_mm(&self) -> f32 {
+        self.least_sd_mm
+    }
+
+    /// Two explanations differ by about this standard deviation of the length, mm, and contacts do not tell them apart, as
+    /// they take errors that all of them share for independent noise. So no number of contacts makes the length more
+    /// certain, until it is measured otherwise. 0 if nothing is in doubt.
+    pub fn keep_doubt(&mut self, sd_mm: f64) {
+        self.least_sd_mm = if sd_mm.is_finite() { sd_mm.clamp(0.0, 1000.0) as f32 } else { 0.0 };
     }
 
     /// ln(length / whole length).
@@ -209,10 +250,21 @@ impl LengthFilter {
         self.mean[LENGTH].into()
     }
 
-    /// Present offset from the model.
+    /// Present offset from the model at the present length.
     #[must_use]
     pub fn offset(&self) -> Offset {
+        self.whole_offset().shortened(self.share_left())
+    }
+
+    /// The offset that it would have at whole length.
+    #[must_use]
+    pub fn whole_offset(&self) -> Offset {
         Offset { level: self.mean[0].into(), slope: self.mean[1].into() }
+    }
+
+    /// Present length as a share of the whole one.
+    fn share_left(&self) -> f64 {
+        self.length().length.mm() / self.whole_length_mm
     }
 
     /// Present baseline and its standard deviation, m/m.
@@ -242,14 +294,19 @@ impl LengthFilter {
         scale: &NoiseScale,
         contact: &Observation,
     ) -> Result<Innovation, NoInformation> {
-        let length = self.length().length;
+        // A contact at a known distance lies where it lies, whatever is beyond it.
+        let (length, offset) = if contact.informs_length {
+            (self.model_length(), self.whole_offset())
+        } else {
+            (self.length().length, self.offset())
+        };
         let ratio = contact.place.ratio;
         let (model_per_mm, log_slope) = model.sensitivity_and_slope(ratio, length, morphology)?;
         let beyond_mm = contact.deflection_mm - CENTRE_MM;
         let by_circumstances = f64::from(self.mean[PER_K]) * contact.warmer_k + f64::from(self.mean[BEND]) * beyond_mm;
         let per_ratio = log_slope / ratio.a();
         let slope_at = slope_at(&contact.place, per_ratio);
-        let predicted = model_per_mm * (self.offset().at(slope_at) + by_circumstances).exp();
+        let predicted = model_per_mm * (offset.at(slope_at) + by_circumstances).exp();
         let by_deflection = predicted * contact.deflection_mm;
         let expected_strain = by_deflection + f64::from(self.mean[BASELINE]);
         let least = noise.least_strain().max(LEAST_BY_DEFLECTION * by_deflection);
@@ -292,7 +349,7 @@ impl LengthFilter {
     #[must_use]
     pub fn observe_length(&self, scale: &NoiseScale, measured: Millimetre, sd_mm: f64) -> Option<Innovation> {
         let mut row = [0.0; STATES];
-        row[LENGTH] = 1.0;
+        row[LENGTH] = self.per_log();
         let length_mm = self.length().length.mm();
         let noise_variance = (sd_mm / length_mm).powi(2).max(*VARIANCES.start());
         let seen = self.innovation((measured.mm() / length_mm).ln(), row, (noise_variance, 1.0), scale.density());
@@ -419,9 +476,9 @@ impl LengthFilter {
     /// Returns false and changes nothing if the state would leave its bounds.
     pub fn measured_length(&mut self, length: Millimetre, sd_mm: f64) -> bool {
         let mut after = self.clone();
-        after.mean[LENGTH] = (length.mm() / self.whole_length_mm).ln() as f32;
+        after.mean[LENGTH] = ((length.mm() / self.whole_length_mm).ln() / self.per_log()) as f32;
         after.covariance.scale(&std::array::from_fn(|state| if state == LENGTH { 0.0 } else { 1.0 }));
-        after.covariance.widen(LENGTH, (sd_mm / length.mm()).powi(2));
+        after.covariance.widen(LENGTH, (sd_mm / length.mm() / self.per_log()).powi(2));
         self.become_if_sound(after)
     }
 
@@ -487,3 +544,6 @@ impl LengthFilter {
         self.covariance.widen(1, log_shift.powi(2));
     }
 }
+
+#[cfg(test)]
+mod tests;

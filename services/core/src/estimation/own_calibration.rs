@@ -12,11 +12,11 @@
 //! measurements and not on their order; it is also bounded.
 
 use borsh::{BorshDeserialize, BorshSerialize};
-use nalgebra::{Cholesky, DMatrix, DVector, Matrix5};
+use nalgebra::{Cholesky, DMatrix, DVector, SMatrix};
 
 use super::bins::ResponseBins;
-use super::smooth::terms;
-use crate::mechanics::{CONTACT_RATIOS, FAMILY, Family, LogChanges, Model, OTHER_FORMULATION};
+use super::smooth::{Smooth, terms};
+use crate::mechanics::{CONTACT_RATIOS, FAMILY, Family, LOG_MODULUS, LogChanges, Model, OTHER_FORMULATION};
 use crate::units::{Megapascal, Millimetre};
 
 /// Number of stored visits.
@@ -27,6 +27,14 @@ const OFFSET_PRIOR: [f64; 3] = [0.3, 0.6, 0.1];
 const NO_FIT: f64 = 0.004;
 /// Bound of the calibration weights: 30 % off the built-in values.
 const WEIGHT_MAX: f64 = 0.3 / crate::mechanics::FAMILY_STEP;
+/// Prior standard deviations of an offset's slope over the contact ratio: by another rubber, and by all else, which is the
+/// spread of one rubber, the formulation, a glued gauge and the robot's contact ratios.
+const SLOPE_BY_RUBBER: f64 = 0.3;
+const SLOPE_BY_REST: f64 = 0.08;
+/// Standard deviation of the rubber's log modulus as a share of it, once contacts have told it.
+const MODULUS_SHARE: f64 = 0.2;
+/// Least standard deviation of the log modulus.
+const LEAST_MODULUS_SD: f64 = 1e-3;
 /// Bounds of the formulation weight.
 const FORMULATION_MIN_MAX: (f64, f64) = (-0.5, 1.5);
 
@@ -96,13 +104,14 @@ impl OwnCalibration {
     /// Posterior from all stored visits.
     #[must_use]
     pub fn belief(&self, model: &Model, nominal: &Nominal<'_>) -> Belief {
+        let modulus = nominal.log_modulus(model);
         if self.visits.is_empty() {
-            return Belief::prior();
+            return Belief::prior(modulus);
         }
-        let family = model.family();
+        let family = model.family(modulus.0);
         let count = 3 + FAMILY + self.visits.len();
         let mut equations = Equations::new(count);
-        equations.prior(&self.visits);
+        equations.prior(&self.visits, modulus);
         for bin in nominal.bins.felt() {
             let mut row = DVector::zeros(count);
             row.as_mut_slice()[..3].copy_from_slice(&terms(bin.mean_ratio()));
@@ -110,9 +119,9 @@ impl OwnCalibration {
         }
         let at_nominal = family.log_changes(model, nominal.length, nominal.pressure);
         for (at, visit) in self.visits.iter().enumerate() {
-            equations.visit(model, &family, &at_nominal, visit, at);
+            equations.visit(model, &family, (&at_nominal, nominal.length), visit, at);
         }
-        equations.belief()
+        equations.belief(modulus)
     }
 
     /// Whether the whisker was measured at another than its nominal pressure.
@@ -122,15 +131,37 @@ impl OwnCalibration {
     }
 }
 
+impl Nominal<'_> {
+    /// Mean and standard deviation of the log modulus of its rubber over the model's, by the slope of its response over the
+    /// contact ratio. While no contact tells it, the model's modulus counts as right.
+    fn log_modulus(&self, model: &Model) -> (f64, f64) {
+        let (slope, variance) = Smooth::through(self.bins).slope();
+        // Either the calibration's own rubber, or another one: small slopes tell hardly of another rubber, large ones do.
+        let (same, other) = (SLOPE_BY_REST.powi(2) + variance, SLOPE_BY_RUBBER.powi(2) + variance);
+        let density = |variance: f64| (-0.5 * slope * slope / variance).exp() / variance.sqrt();
+        let is_other = density(other) / (density(same) + density(other));
+        let told = SLOPE_BY_RUBBER.powi(2) / other;
+        let (mean, per_log) = model.log_modulus(is_other * told * slope, self.length, self.pressure);
+        if per_log == 0.0 {
+            return (0.0, LEAST_MODULUS_SD);
+        }
+        let between = (is_other * (1.0 - is_other)).sqrt() * told * slope / per_log;
+        let by_noise = is_other * told * variance.sqrt() / per_log;
+        (mean, (MODULUS_SHARE * mean).hypot(between).hypot(by_noise).max(LEAST_MODULUS_SD))
+    }
+}
+
 impl Belief {
-    /// Prior without any visit: uniform within 10 %, either formulation.
+    /// Prior without any visit: uniform within 10 %, either formulation, and this log modulus with its standard deviation.
     #[must_use]
-    pub fn prior() -> Self {
+    pub fn prior(modulus: (f64, f64)) -> Self {
         let mut root = [[0.0; FAMILY]; FAMILY];
         for (i, row) in root.iter_mut().enumerate() {
-            row[i] = prior_of(i).1;
+            row[i] = prior_of(i, modulus).1;
         }
-        Self { mean: std::array::from_fn(|i| prior_of(i).0), root, predict: [0.0; FAMILY] }
+        let mut predict = [0.0; FAMILY];
+        predict[LOG_MODULUS] = modulus.0;
+        Self { mean: std::array::from_fn(|i| prior_of(i, modulus).0), root, predict }
     }
 
     /// Change of the deviation from the model between two pressures, at [`CONTACT_RATIOS`].
@@ -153,9 +184,13 @@ impl Belief {
     }
 }
 
-/// Prior mean and standard deviation of a calibration step, or of the formulation (0 or 1).
-fn prior_of(index: usize) -> (f64, f64) {
-    if index == OTHER_FORMULATION { (0.5, 0.5) } else { (0.0, 1.0) }
+/// Prior mean and standard deviation of a calibration step, of the formulation (0 or 1), or of the log modulus.
+fn prior_of(index: usize, modulus: (f64, f64)) -> (f64, f64) {
+    match index {
+        OTHER_FORMULATION => (0.5, 0.5),
+        LOG_MODULUS => modulus,
+        _ => (0.0, 1.0),
+    }
 }
 
 /// Normal equations for the parabola, the weights and the visits' errors in log length.
@@ -174,9 +209,9 @@ impl Equations {
         self.weighed += row * (value / variance);
     }
 
-    fn prior(&mut self, visits: &[Visit]) {
+    fn prior(&mut self, visits: &[Visit], modulus: (f64, f64)) {
         let offsets = OFFSET_PRIOR.map(|sd| (0.0, sd)).into_iter();
-        let weights = (0..FAMILY).map(prior_of);
+        let weights = (0..FAMILY).map(|i| prior_of(i, modulus));
         let lengths = visits.iter().map(|visit| (0.0, (visit.length_sd_mm / visit.length.mm()).max(1e-5)));
         for (i, (mean, sd)) in offsets.chain(weights).chain(lengths).enumerate() {
             self.information[(i, i)] += sd.powi(-2);
@@ -192,7 +227,14 @@ impl Equations {
         }
     }
 
-    fn visit(&mut self, model: &Model, family: &Family, at_nominal: &LogChanges, visit: &Visit, at: usize) {
+    fn visit(
+        &mut self,
+        model: &Model,
+        family: &Family,
+        (at_nominal, whole): (&LogChanges, Millimetre),
+        visit: &Visit,
+        at: usize,
+    ) {
         let there = family.log_changes(model, visit.length, visit.pressure);
         let morphology = model.morphology(visit.pressure);
         for bin in visit.bins.felt() {
@@ -201,7 +243,8 @@ impl Equations {
             let Ok((_, slope)) = model.sensitivity_and_slope(ratio, visit.length, &morphology) else { continue };
             let (k, share) = between(a);
             let mut row = DVector::zeros(self.weighed.len());
-            row.as_mut_slice()[..3].copy_from_slice(&terms(a));
+            // A cut does not change what lies before the contact.
+            row.as_mut_slice()[..3].copy_from_slice(&terms(a * visit.length.mm() / whole.mm()));
             for i in 0..FAMILY {
                 let change = |k: usize| there[k][i] - at_nominal[k][i];
                 row[3 + i] = change(k) + share * (change(k + 1) - change(k));
@@ -211,17 +254,17 @@ impl Equations {
         }
     }
 
-    fn belief(self) -> Belief {
+    fn belief(self, modulus: (f64, f64)) -> Belief {
         // The prior keeps the information matrix positive definite; rounding is the only way to fail.
-        let Some(factor) = Cholesky::new(self.information) else { return Belief::prior() };
+        let Some(factor) = Cholesky::new(self.information) else { return Belief::prior(modulus) };
         let solved = factor.solve(&self.weighed);
         let covariance = factor.inverse();
-        let own = Matrix5::from_fn(|i, j| covariance[(3 + i, 3 + j)]);
-        let Some(root) = Cholesky::new(own) else { return Belief::prior() };
+        let own = SMatrix::<f64, FAMILY, FAMILY>::from_fn(|i, j| covariance[(3 + i, 3 + j)]);
+        let Some(root) = Cholesky::new(own) else { return Belief::prior(modulus) };
         let root = root.l();
         let mean = std::array::from_fn(|i| {
             let (low, high) = if i == OTHER_FORMULATION { FORMULATION_MIN_MAX } else { (-WEIGHT_MAX, WEIGHT_MAX) };
-            solved[3 + i].clamp(low, high)
+            if i == LOG_MODULUS { solved[3 + i] } else { solved[3 + i].clamp(low, high) }
         });
         Belief { mean, root: std::array::from_fn(|i| std::array::from_fn(|j| root[(i, j)])), predict: mean }
     }
@@ -292,7 +335,9 @@ mod tests {
                 Nominal { length: Millimetre::known(65.0), pressure: Megapascal::known(NOMINAL), bins: &whole };
             let off_by = |own: &OwnCalibration, pressure: f64| {
                 let belief = own.belief(&model, &nominal);
-                let changes = |q: f64| model.family().log_changes(&model, nominal.length, Megapascal::known(q));
+                let changes = |q: f64| {
+                    model.family(belief.predict[LOG_MODULUS]).log_changes(&model, nominal.length, Megapascal::known(q))
+                };
                 let change = Belief::change(&belief.predict, &changes(NOMINAL), &changes(pressure));
                 let log = |m: &Model, q: f64| m.log_sensitivities(nominal.length, Megapascal::known(q));
                 let deviation = |q: f64, k: usize| log(&plant, q)[k].unwrap() - log(&model, q)[k].unwrap();
@@ -303,6 +348,36 @@ mod tests {
             own.remember(visit(&plant, &model, 0.05));
             let after = off_by(&own, 0.03);
             assert!(after < 0.4 * before && after < 0.006, "{factors:?} {formulation:?}: {before} {after}");
+        }
+    }
+
+    /// Without any visit: the slope of the response at nominal pressure tells the rubber.
+    #[test]
+    fn property_the_response_of_another_rubber_is_predicted_at_another_pressure() {
+        let model = Model::nguyen_2021(Formulation::Published);
+        let built_in = Calibration::nguyen_2021();
+        for factor in [0.5, 0.7, 1.5, 2.2] {
+            let calibration = Calibration {
+                c: built_in.c / factor,
+                a: built_in.a / factor,
+                youngs_modulus_mpa: built_in.youngs_modulus_mpa * factor,
+                ..built_in
+            };
+            let plant = Model::new(Geometry::nguyen_2021(), calibration, Formulation::Published).unwrap();
+            let length = Millimetre::known(65.0);
+            let whole = felt(&plant, &model, 65.0, NOMINAL);
+            let nominal = Nominal { length, pressure: Megapascal::known(NOMINAL), bins: &whole };
+            let belief = OwnCalibration::default().belief(&model, &nominal);
+            let family = model.family(belief.predict[LOG_MODULUS]);
+            let changes = |mpa: f64| family.log_changes(&model, length, Megapascal::known(mpa));
+            let change = Belief::change(&belief.predict, &changes(NOMINAL), &changes(0.03));
+            let log = |one: &Model, mpa: f64| one.log_sensitivities(length, Megapascal::known(mpa)).map(Option::unwrap);
+            let deviation = |mpa: f64, k: usize| log(&plant, mpa)[k] - log(&model, mpa)[k];
+            let truth: [f64; CONTACT_RATIOS.len()] =
+                std::array::from_fn(|k| deviation(0.03, k) - deviation(NOMINAL, k));
+            let (before, after) = (0..change.len())
+                .fold((0.0, 0.0), |(before, after), k| (before + truth[k].abs(), after + (change[k] - truth[k]).abs()));
+            assert!(after < 0.3 * before, "{factor}: {before} {after}");
         }
     }
 
@@ -323,6 +398,6 @@ mod tests {
         assert_eq!(own.visits.len(), VISITS_MAX);
         let belief = own.belief(&model, &nominal);
         assert!(belief.mean.iter().all(|weight| weight.abs() <= WEIGHT_MAX), "{:?}", belief.mean);
-        assert_eq!(OwnCalibration::default().belief(&model, &nominal), Belief::prior());
+        assert_eq!(OwnCalibration::default().belief(&model, &nominal), Belief::prior(nominal.log_modulus(&model)));
     }
 }

@@ -101,6 +101,12 @@ impl Smooth {
         Carried { mean: (self.coefficients + parabola(change)).into(), covariance: covariance.into() }
     }
 
+    /// Slope at the centre of the contact ratios, and its variance.
+    #[must_use]
+    pub fn slope(&self) -> (f64, f64) {
+        (self.coefficients[1], self.root.row(1).norm_squared())
+    }
+
     /// Values at [`CONTACT_RATIOS`].
     #[must_use]
     pub fn by_ratio(&self) -> [f64; CONTACT_RATIOS.len()] {

@@ -35,7 +35,7 @@ mod setpoint;
 mod taper;
 
 pub use calibration::Calibration;
-pub use family::{FAMILY, FAMILY_STEP, Family, LogChanges, OTHER_FORMULATION};
+pub use family::{FAMILY, FAMILY_STEP, Family, LOG_MODULUS, LogChanges, OTHER_FORMULATION};
 pub use fit::{
     Advice, BenchContact, BenchFit, BenchReading, CalibrationRow, Fit, FitError, Gauge, Given, Kind, Parameter, Place,
     Quantity, RowResidual, Scatter, UNKNOWNS, Unknown, fit_bench, fit_calibration, student_t,

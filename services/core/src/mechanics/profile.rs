@@ -53,6 +53,20 @@ impl Offset {
     pub fn at(self, ratio: ContactRatio) -> f64 {
         self.level + self.slope * (ratio.a() - Self::CENTRE)
     }
+
+    /// The offset of the same whisker once only this share of its length is left. It belongs to the distance from the base,
+    /// because a cut changes nothing between base and contact.
+    #[must_use]
+    pub fn shortened(self, share_left: f64) -> Self {
+        let Self { level, slope } = self;
+        Self { level: level + slope * Self::CENTRE * (share_left - 1.0), slope: slope * share_left }
+    }
+
+    /// What this offset has more than another one.
+    #[must_use]
+    pub fn beyond(self, other: Self) -> Self {
+        Self { level: self.level - other.level, slope: self.slope - other.slope }
+    }
 }
 
 /// Eq. 35 as a ratio (0.2 is 20 %): share of the difference to the target that remains after a compensation.

@@ -7,8 +7,8 @@ use borsh::{BorshDeserialize, BorshSerialize};
 use super::params::{LongerForShorter, PolicyParams};
 use crate::estimation::{Belief, Weights};
 use crate::mechanics::{
-    CONTACT_RATIOS, Compensator, Deviation, Family, LogChanges, Model, Objective, Offset, Setpoint, Solution, Target,
-    UsualContacts, solve_setpoint_as_felt,
+    CONTACT_RATIOS, Compensator, Deviation, Family, LOG_MODULUS, LogChanges, Model, Objective, Offset, Setpoint,
+    Solution, Target, UsualContacts, solve_setpoint_as_felt,
 };
 use crate::units::{ContactRatio, Megapascal, Millimetre};
 
@@ -169,7 +169,7 @@ struct AsFelt<'a> {
 impl<'a> AsFelt<'a> {
     fn new(one: &'a Fitness<'a>) -> Self {
         let own = (one.own != Weights::default()).then(|| {
-            let family = one.model.family();
+            let family = one.model.family(one.own[LOG_MODULUS]);
             let from = family.log_changes(one.model, one.length, one.pressure);
             (family, from)
         });

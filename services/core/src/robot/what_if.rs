@@ -139,10 +139,10 @@ impl Robot {
         // No length is below what the filter can hold.
         let log_change = (length.mm().max(1.0) / estimate_mm).ln();
         let mut by_length = [0.0; STATES];
-        by_length[LENGTH] = 1.0;
+        by_length[LENGTH] = 1.0 / one.filter.per_log();
         one.filter.jump(log_change, 0.0, by_length);
         if one.is_at_nominal_pressure() {
-            one.rare.get_or_insert().whole_offset.get_or_insert_with(|| one.filter.offset());
+            one.rare.get_or_insert().whole_offset.get_or_insert_with(|| one.filter.whole_offset());
         }
         if let Some(rare) = one.rare.get_mut() {
             rare.pending_trim = None;

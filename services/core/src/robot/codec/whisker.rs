@@ -16,7 +16,7 @@ use crate::robot::touch_tests::DistanceZero;
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 16;
+const VERSION: u32 = 17;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -43,8 +43,8 @@ pub(super) const PARTS: [&str; 16] = [
     "gauge_range",
     "changed_at",
 ];
-/// Names of further such parts, in stored order. Not before version 16.
-pub(super) const LATER_PARTS: [&str; 2] = ["zero", "first"];
+/// Names of further such parts, in stored order. Not before version 16, the last one not before 17.
+pub(super) const LATER_PARTS: [&str; 3] = ["zero", "first", "doubt"];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
 /// Added to the version; the flags of an older whisker are less than this.
@@ -100,7 +100,7 @@ impl Whisker {
 
     /// Presence of the further parts, in stored order.
     pub(super) fn has_later_parts(&self) -> [bool; LATER_PARTS.len()] {
-        [self.rare.zero != DistanceZero::UNKNOWN, self.rare.first.is_some()]
+        [self.rare.zero != DistanceZero::UNKNOWN, self.rare.first.is_some(), self.filter.least_sd_mm() > 0.0]
     }
 }
 
@@ -148,11 +148,14 @@ impl BorshSerialize for Whisker {
         if changed {
             self.rare.changed_at.serialize(writer)?;
         }
-        let [zero, _] = self.has_later_parts();
+        let [zero, _, doubt] = self.has_later_parts();
         if zero {
             self.rare.zero.serialize(writer)?;
         }
         self.rare.first.iter().try_for_each(|one| one.serialize(writer))?;
+        if doubt {
+            self.filter.least_sd_mm().serialize(writer)?;
+        }
         Ok(())
     }
 }
@@ -194,7 +197,7 @@ impl BorshDeserialize for Whisker {
             changed,
         ] = has;
         let later = if version < 16 { 0 } else { encoding::read_u32(reader)? };
-        let [zero, first] = encoding::unpack_flags(bits_of(later)?)?;
+        let [zero, first, doubt] = encoding::unpack_flags(bits_of(later)?)?;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
@@ -296,6 +299,9 @@ impl BorshDeserialize for Whisker {
         }
         if first {
             read.rare.get_or_insert().first = of(true, reader)?;
+        }
+        if doubt {
+            read.filter.keep_doubt(f32::deserialize_reader(reader)?.into());
         }
         Ok(read)
     }

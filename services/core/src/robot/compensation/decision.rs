@@ -178,7 +178,7 @@ impl Robot {
         let keeps_pressure = self.pressure_it_has(params, chosen.compensator).is_some();
         let mut carried = one.carried(params, &setpoint);
         if has_lost {
-            carried.shift(one.whole_lag(one.filter.offset()));
+            carried.shift(one.whole_lag(one.filter.whole_offset()));
         }
         let gain = setpoint.gain.by_ratio;
         let begun = Compensation {

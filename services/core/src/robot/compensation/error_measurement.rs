@@ -168,7 +168,7 @@ impl Robot {
             length: running.length_before(one),
             pressure: running.pressure_before,
             bins: running.before.as_ref(),
-            offset: one.whole_offset(),
+            offset: one.whole_offset().shortened(running.length_before(one).mm() / one.sheet.length.mm()),
         })
     }
 

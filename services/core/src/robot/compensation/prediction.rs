@@ -7,7 +7,7 @@
 use crate::estimation::cubature::CASES;
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error};
 use crate::estimation::{Belief, Smooth};
-use crate::mechanics::{CONTACT_RATIOS, EVEN_WEIGHTS, Objective, Offset, Setpoint};
+use crate::mechanics::{CONTACT_RATIOS, EVEN_WEIGHTS, LOG_MODULUS, Objective, Setpoint};
 use crate::policy::Fitness;
 use crate::robot::Robot;
 use crate::robot::compensation::error_measurement::UNNOTICED_SHIFT_SD;
@@ -40,16 +40,13 @@ impl Robot {
         let (broken, one) = (&self.whiskers[target], &self.whiskers[compensator]);
         let (model, target_model) = (fitness.model, broken.model(params)?);
         let (own, whole) = (Smooth::through(&one.whole), Smooth::through(&broken.whole));
-        let family = model.family();
+        let family = model.family(belief.predict[LOG_MODULUS]);
         let changes = |pressure: Megapascal| family.log_changes(model, fitness.length, pressure);
         let (from, to) = (changes(fitness.pressure), changes(setpoint.pressure));
 
         let mut known = [true; CONTACT_RATIOS.len()];
         // The line that the filter holds by now, and the bend that only the bins know.
-        let since_whole = {
-            let (now, then) = (fitness.offset, one.whole_offset());
-            curve(Offset { level: now.level - then.level, slope: now.slope - then.slope })
-        };
+        let since_whole = curve(fitness.offset.beyond(one.whole_offset()));
         let differs = sum(&own.by_ratio(), &since_whole);
         let before = sum(&log_curve(model, fitness.length, fitness.pressure, &mut known), &differs);
         let moved = Belief::change(&belief.mean, &from, &to);

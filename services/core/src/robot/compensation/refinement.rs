@@ -21,7 +21,7 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::estimation::uncertainty::{Curve, Uncertain, mean_error, moments};
 use crate::estimation::{Belief, Carried, ResponseBins, Visit};
-use crate::mechanics::{CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, Objective, Setpoint, least_error};
+use crate::mechanics::{CONTACT_RATIOS, Compensator, EVEN_WEIGHTS, LOG_MODULUS, Objective, Setpoint, least_error};
 use crate::policy::Case;
 use crate::robot::Robot;
 use crate::robot::compensation::Compensation;
@@ -261,7 +261,8 @@ impl Robot {
     ) -> Option<Look> {
         let one = &self.whiskers[running.compensator()];
         let (model, objective) = (one.model(params)?, running.objective());
-        let (belief, family) = (one.belief(model), model.family());
+        let belief = one.belief(model);
+        let family = model.family(belief.predict[LOG_MODULUS]);
         let changes = |pressure: Megapascal| family.log_changes(model, running.length, pressure);
         let from = changes(running.pressure);
         let held = felt.held;

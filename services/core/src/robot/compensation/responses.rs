@@ -3,7 +3,7 @@
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
 use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
 use crate::mechanics::{
-    ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, Model, Objective, Offset, RatioWeights, Setpoint, UsualContacts,
+    ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, LOG_MODULUS, Model, Objective, Offset, RatioWeights, Setpoint, UsualContacts,
 };
 use crate::policy::READING_GAINS;
 use crate::robot::Robot;
@@ -148,10 +148,13 @@ impl Robot {
             // Between its cut and its setpoint the whisker had too few contacts for a measured response: the model at
             // the estimated length, with the deviation that it had while whole.
             let belief = one.belief(model);
-            let moved = one.change(model, running.length, (one.sheet.pressure, running.pressure_before), |from, to| {
+            let pressures = (one.sheet.pressure, running.pressure_before);
+            let moved = one.change(model, &belief, running.length, pressures, |from, to| {
                 Belief::change(&belief.predict, from, to)
             });
-            let mean = sum(&log(model, running.length, running.pressure_before), &sum(&whole.by_ratio(), &moved));
+            let nearer = one.offset_moved_at(running.length);
+            let differs = sum(&sum(&whole.by_ratio(), &nearer), &moved);
+            let mean = sum(&log(model, running.length, running.pressure_before), &differs);
             (mean, None)
         };
         let mut responses = Uncertain { mean: [after_mean, before_mean, target_mean], causes: Vec::new() };
@@ -308,12 +311,19 @@ impl Whisker {
         let Some(model) = self.model(params) else { return Carried::default() };
         let belief = self.belief(model);
         let length = self.filter.length();
-        self.change(model, length.length, (self.sheet.pressure, setpoint.pressure), |from, to| {
+        self.change(model, &belief, length.length, (self.sheet.pressure, setpoint.pressure), |from, to| {
             let mut causes = belief.causes(from, to).to_vec();
             causes.push(by_length(model, length.length, setpoint.pressure, length.sd_mm));
             causes.push(self.lag(params, &self.whole));
-            Smooth::through(&self.whole).carried(&Belief::change(&belief.predict, from, to), &causes)
+            let change = sum(&Belief::change(&belief.predict, from, to), &self.offset_moved_at(length.length));
+            Smooth::through(&self.whole).carried(&change, &causes)
         })
+    }
+
+    /// Change of its offset from the whole length to this one.
+    pub(in crate::robot) fn offset_moved_at(&self, length: Millimetre) -> Curve {
+        let whole = self.whole_offset();
+        curve(whole.shortened(length.mm() / self.sheet.length.mm()).beyond(whole))
     }
 
     fn nominal(&self) -> Nominal<'_> {
@@ -324,11 +334,12 @@ impl Whisker {
     pub(in crate::robot) fn change<T>(
         &self,
         model: &Model,
+        belief: &Belief,
         length: Millimetre,
         (from, to): (Megapascal, Megapascal),
         of: impl Fn(&crate::mechanics::LogChanges, &crate::mechanics::LogChanges) -> T,
     ) -> T {
-        let family = model.family();
+        let family = model.family(belief.predict[LOG_MODULUS]);
         of(&family.log_changes(model, length, from), &family.log_changes(model, length, to))
     }
 }

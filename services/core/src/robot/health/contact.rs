@@ -113,6 +113,7 @@ impl Robot {
         let whisker = &self.whiskers[index];
         let keeps = whisker.keeps_suspicion() || self.awaits_confirmation(index);
         if whisker.condition == Condition::Suspected && !keeps {
+            self.keep_small_doubt(index);
             self.set_condition(index, Condition::Healthy, effects);
         }
     }
@@ -140,6 +141,8 @@ impl Robot {
                     self.name_cause(index, Cause::WhiskerReplaced);
                 }
                 self.rescale(params, index, change);
+                // A small cut that takes a part of the loss back looks like its end.
+                self.keep_small_doubt(index);
                 self.set_condition(index, Condition::SensitivityLoss, effects);
             }
             HypothesisKind::Shorter if whisker.regains(params, change) => {
@@ -149,8 +152,9 @@ impl Robot {
             HypothesisKind::Shorter => {
                 whisker.jump(change);
                 whisker.doubt_gain(params);
+                whisker.end_small_doubt();
                 if whisker.is_at_nominal_pressure() {
-                    whisker.leaves_whole(whisker.filter.offset());
+                    whisker.leaves_whole(whisker.filter.whole_offset());
                 }
                 let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
                 whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
@@ -183,7 +187,7 @@ impl Robot {
         let log_shift = change.size * whisker.log_slope_with_length(model);
         whisker.filter.rescaled(change.size, change.lacking, log_shift, log_shift);
         if whisker.is_at_nominal_pressure() {
-            let now = whisker.filter.offset();
+            let now = whisker.filter.whole_offset();
             let before = Offset { level: now.level - log_shift, ..now };
             whisker.leaves_whole(before);
         }

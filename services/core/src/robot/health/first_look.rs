@@ -43,7 +43,7 @@ impl Whisker {
         if !is_early || seen.row[LENGTH] == 0.0 || self.condition != Condition::Learning {
             return;
         }
-        let deviation = seen.residual + self.filter.offset().at(seen.ratio);
+        let deviation = seen.residual + self.filter.whole_offset().at(seen.ratio);
         self.rare.get_or_insert().first.get_or_insert_default().add(seen.ratio, deviation);
     }
 
@@ -61,7 +61,7 @@ impl Robot {
     /// the other whiskers. `None` if it is as it should be.
     fn differs_by(&self, index: WhiskerIndex) -> Option<f64> {
         let whisker = &self.whiskers[index];
-        let offset = whisker.filter.offset();
+        let offset = whisker.filter.whole_offset();
         let rise = whisker.rare.first.and_then(|first| first.rise_to(offset));
         if let Some((rise, _)) = rise.filter(|(rise, sd)| *rise > RISE_MIN.max(RISE_SD * sd)) {
             return Some(DILUTED * rise);
@@ -72,7 +72,7 @@ impl Robot {
                 && other.is_peer()
         };
         let others = self.whiskers.iter().enumerate().filter(|(at, other)| *at != index && is_alike(other));
-        let mut levels: SmallVec<[f64; 32]> = others.map(|(_, other)| other.filter.offset().level).collect();
+        let mut levels: SmallVec<[f64; 32]> = others.map(|(_, other)| other.filter.whole_offset().level).collect();
         levels.sort_by(f64::total_cmp);
         let [least, .., most] = levels[..] else { return None };
         let beyond = (offset.level - most).max(least - offset.level);

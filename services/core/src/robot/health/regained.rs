@@ -17,14 +17,18 @@ use crate::units::{ContactRatio, Millimetre};
 /// Standard deviation of the length in doubt, as a share of the cut that would explain the rise: the cut is well within
 /// the 95 % interval.
 const DOUBT_SHARE: f64 = 0.7;
-/// Largest standard deviation of a length in doubt, mm. The filter is linear: beyond this the length would leave what
-/// the contacts tell.
+/// Largest standard deviation of a length in doubt within the filter, mm. The filter is linear: beyond this the length
+/// would leave what the contacts tell. The stated interval is wider.
 const DOUBT_SD_MAX_MM: f64 = 4.5;
 /// A difference from the whole length that is a cut: at least this, mm, and this many standard deviations.
 const LOSS_MIN_MM: f64 = 0.5;
 const LOSS_MIN_SD: f64 = 3.0;
 /// A length of a whole whisker with at least this standard deviation is in doubt, mm.
 const DOUBT_SD_MM: f64 = 0.6;
+
+/// Standard deviation of a length after a suspicion that nothing has confirmed, mm. Cuts of 1 mm are not told from the
+/// errors that the contacts share: they are within the 95 % interval.
+const UNCONFIRMED_SD_MM: f64 = 0.55;
 
 impl Robot {
     /// Puts the length of a whisker in doubt after a rise that took back its loss of sensitivity.
@@ -40,8 +44,9 @@ impl Robot {
         let slope = whisker.log_slope_with_length(model);
         let length_mm = whisker.filter.length().length.mm();
         let loss_mm = length_mm * (1.0 - change.size.exp());
-        let Some(sd_mm) = doubt_sd_mm(loss_mm) else { return };
-        whisker.filter.doubt_gain(slope * sd_mm / length_mm, slope);
+        let Some(doubt) = Doubt::of(loss_mm) else { return };
+        whisker.filter.doubt_gain(slope * doubt.learned_sd_mm() / length_mm, slope);
+        whisker.filter.keep_doubt(doubt.sd_mm);
         self.suspect_length(index, loss_mm, effects);
     }
 
@@ -55,11 +60,19 @@ impl Robot {
         effects: &mut Vec<Effect>,
     ) {
         let whisker = &mut self.whiskers[index];
-        let Some((model, sd_mm)) = whisker.model(params).zip(doubt_sd_mm(loss_mm)) else { return };
+        let Some((model, doubt)) = whisker.model(params).zip(Doubt::of(loss_mm)) else { return };
         let slopes = (whisker.log_slope_with_length(model), whisker.log_slope_at(model, ContactRatio::TIP));
-        whisker.filter.doubt_whole(sd_mm, slopes);
-        whisker.leaves_whole(whisker.filter.offset());
+        whisker.filter.doubt_whole(doubt.learned_sd_mm(), slopes);
+        whisker.filter.keep_doubt(doubt.sd_mm);
+        whisker.leaves_whole(whisker.filter.whole_offset());
         self.suspect_length(index, loss_mm, effects);
+    }
+
+    /// A suspicion has ended without a verdict about the length, or with a loss of sensitivity: something else explains the
+    /// readings as well.
+    pub(in crate::robot) fn keep_small_doubt(&mut self, index: WhiskerIndex) {
+        let filter = &mut self.whiskers[index].filter;
+        filter.keep_doubt(UNCONFIRMED_SD_MM.max(filter.least_sd_mm().into()));
     }
 
     /// Suspects a whisker whose length is in doubt, and asks for a test where one can tell.
@@ -87,13 +100,33 @@ impl Robot {
     }
 }
 
-/// Standard deviation of a length that may have lost or gained this, mm. `None` if that is within the least doubt.
-fn doubt_sd_mm(loss_mm: f64) -> Option<f64> {
-    let sd_mm = (DOUBT_SHARE * loss_mm.abs()).min(DOUBT_SD_MAX_MM);
-    (sd_mm >= DOUBT_SD_MM).then_some(sd_mm)
+/// Doubt of a length.
+struct Doubt {
+    /// Standard deviation, mm.
+    sd_mm: f64,
+}
+
+impl Doubt {
+    /// The doubt of a length that may have lost or gained this, mm. `None` if that is within the least doubt.
+    fn of(loss_mm: f64) -> Option<Self> {
+        let sd_mm = DOUBT_SHARE * loss_mm.abs();
+        (sd_mm >= DOUBT_SD_MM).then_some(Self { sd_mm })
+    }
+
+    /// The part of it that contacts and a measured length move the estimate within, mm.
+    fn learned_sd_mm(&self) -> f64 {
+        self.sd_mm.min(DOUBT_SD_MAX_MM)
+    }
 }
 
 impl Whisker {
+    /// A cut is confirmed: it explains what a suspicion before it has left open.
+    pub(super) fn end_small_doubt(&mut self) {
+        if f64::from(self.filter.least_sd_mm()) < DOUBT_SD_MM {
+            self.filter.keep_doubt(0.0);
+        }
+    }
+
     /// Whether a loss of sensitivity was taken back, by its end or by a cut.
     pub(in crate::robot) fn has_doubtful_length(&self) -> bool {
         self.was_in_doubt() && self.filter.length().sd_mm >= DOUBT_SD_MM
@@ -117,6 +150,11 @@ impl Whisker {
     /// before. False if no real whisker has that length.
     pub(in crate::robot) fn learn_measured_length(&mut self, length: Millimetre, sd_mm: f64) -> bool {
         let still = Wander { length_mm: 0.0, baseline_strain: 0.0, offset: 0.0 };
-        self.filter.observe_length(&self.noise, length, sd_mm).is_some_and(|seen| self.filter.learn(&seen, still))
+        let is_learned =
+            self.filter.observe_length(&self.noise, length, sd_mm).is_some_and(|seen| self.filter.learn(&seen, still));
+        if is_learned {
+            self.filter.keep_doubt(0.0);
+        }
+        is_learned
     }
 }

@@ -150,7 +150,7 @@ impl Whisker {
             {
                 // Against the model at whole length: the residual is against the present estimate.
                 let shift = seen.row[LENGTH] * self.filter.log_length();
-                let deviation = seen.residual + self.filter.offset().at(seen.ratio) + shift;
+                let deviation = seen.residual + self.filter.whole_offset().at(seen.ratio) + shift;
                 // An outlier gets a larger variance.
                 let variance = seen.noise_variance / seen.seen.sound.max(1e-3);
                 let walk = self.walks.doubt().rate;

@@ -242,7 +242,7 @@ impl Whisker {
 
     /// Its offset from the model while whole at nominal pressure.
     pub(in crate::robot) fn whole_offset(&self) -> Offset {
-        self.rare.whole_offset.unwrap_or_else(|| self.filter.offset())
+        self.rare.whole_offset.unwrap_or_else(|| self.filter.whole_offset())
     }
 
     /// Difference between the level of its response while whole by the length filter, which has this offset, and by the
@@ -266,7 +266,7 @@ impl Whisker {
     /// a whisker that has lost sensitivity, cut or not.
     pub(in crate::robot) fn whole_now(&self) -> ResponseBins {
         let mut whole = self.whole.clone();
-        whole.shift(self.whole_lag(self.filter.offset()));
+        whole.shift(self.whole_lag(self.filter.whole_offset()));
         whole
     }
 
@@ -296,7 +296,7 @@ impl Whisker {
         let Some((before, model)) = self.rare.whole_offset.zip(self.model(params)) else { return false };
         let slope = self.log_slope_with_length(model);
         // The offset as it was before it absorbed a part of the rise.
-        let lost = before.level - (self.filter.offset().level + change.size * change.lacking[0]);
+        let lost = before.level - (self.filter.whole_offset().level + change.size * change.lacking[0]);
         let off = (change.size * slope - lost).abs();
         self.condition == Condition::SensitivityLoss
             && lost > 0.0
@@ -319,7 +319,7 @@ impl Whisker {
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                self.rare.get_or_insert().whole_offset = Some(self.filter.offset());
+                self.rare.get_or_insert().whole_offset = Some(self.filter.whole_offset());
             }
             if self.condition != Condition::Eroding {
                 self.filter.pressure_moved(moved_mpa, &params.filter);

@@ -106,7 +106,7 @@ impl Whisker {
         if !self.is_at_nominal_pressure() {
             return;
         }
-        let moved = self.whole_lag(self.filter.offset());
+        let moved = self.whole_lag(self.filter.whole_offset());
         let variance = self.gain_lag(params, &self.whole).powi(2) + (BACK_SHARE_SD * moved).powi(2);
         if self.filter.wandered(Moved { by: -moved, variance }) {
             self.walks.changed();

@@ -59,7 +59,12 @@ impl Robot {
         }
         let alone = self.needs_exact_length(index);
         let whisker = &mut self.whiskers[index];
-        let (off_mm, _) = whisker.zero(params);
+        let (off_mm, zero_sd_mm) = whisker.zero(params);
+        if contact.is_test && whisker.can_measure(params) {
+            // The error that all distances share stays, however many contacts come.
+            let least_sd_mm = SHARED_SD_MM.hypot(zero_sd_mm).max(whisker.filter.least_sd_mm().into());
+            whisker.filter.keep_doubt(least_sd_mm);
+        }
         let is_evidence = match contact.place {
             ContactPlace::Distance(at) => {
                 whisker.touched_at(params, contact.is_test, at.at.mm(), at.sd_mm);
@@ -189,10 +194,14 @@ impl Robot {
                 self.refute_cut(params, index);
             }
             let whisker = &mut self.whiskers[index];
+            let sd_mm = posterior.sd_mm.hypot(SHARED_SD_MM.max(zero_sd_mm));
             if whisker.has_doubtful_length() {
-                whisker
-                    .learn_measured_length(whisker.sheet.length, posterior.sd_mm.hypot(SHARED_SD_MM.max(zero_sd_mm)));
+                whisker.learn_measured_length(whisker.sheet.length, sd_mm);
             }
+            if whisker.rare.length_test.as_ref().is_some_and(|test| test.is_for_change()) {
+                self.keep_small_doubt(index);
+            }
+            let whisker = &mut self.whiskers[index];
             // Silence that is refuted was a change of habits.
             if whisker.is_reach_silent() {
                 whisker.forget_reach();
@@ -242,12 +251,14 @@ impl Robot {
         if !is_taken {
             return;
         }
+        // The error that all distances share stays, however many contacts come.
+        whisker.filter.keep_doubt(SHARED_SD_MM.hypot(whisker.zero(params).1));
         whisker.detector = crate::detection::Detector::default();
         if is_for_change && !is_after_loss {
             whisker.take_gain_back(params);
         }
         if whisker.is_at_nominal_pressure() {
-            whisker.leaves_whole(whisker.filter.offset());
+            whisker.leaves_whole(whisker.filter.whole_offset());
         }
         let before = whisker.rare.pending_trim.map_or(length_before_mm, |pending| pending.length_before_mm);
         whisker.rare.get_or_insert().pending_trim = Some(PendingTrim {
