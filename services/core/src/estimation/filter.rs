@@ -211,13 +211,19 @@ impl LengthFilter {
     /// Present length with its standard deviation.
     #[must_use]
     pub fn length(&self) -> LengthEstimate {
+        let learned = self.learned_length();
+        LengthEstimate { sd_mm: learned.sd_mm.max(self.least_sd_mm.into()), ..learned }
+    }
+
+    /// [`Self::length`] without the doubt that contacts do not reduce.
+    #[must_use]
+    pub fn learned_length(&self) -> LengthEstimate {
         let log_length = self.log_length() * self.per_log();
         let length_mm = (self.whole_length_mm * log_length.exp()).clamp(1.0, 1000.0);
         let by_slope = OFFSET_SHARE * self.covariance.variance(1).max(0.0).sqrt();
         let by_model = MODEL_SLOPE_SD.hypot(by_slope) * log_length;
         let learned_sd = self.covariance.variance(LENGTH).max(0.0).sqrt() * self.per_log();
-        let sd_mm = length_mm * learned_sd.hypot(by_model);
-        LengthEstimate { length: Millimetre::known(length_mm), sd_mm: sd_mm.max(self.least_sd_mm.into()) }
+        LengthEstimate { length: Millimetre::known(length_mm), sd_mm: length_mm * learned_sd.hypot(by_model) }
     }
 
     /// Change of the whisker's log length for a change of lambda.

@@ -33,6 +33,21 @@ fn text_of(robot: &Robot) -> String {
     text
 }
 
+/// The text without lengths and offsets, which later programs state by other equations; the fixtures compare them.
+fn without_lengths(text: &str) -> String {
+    let mut kept = String::new();
+    let mut is_left_out = false;
+    for line in text.lines() {
+        is_left_out |= matches!(line, "    length: LengthEstimate {" | "    offset: Offset {");
+        if !is_left_out {
+            kept += line;
+            kept += "\n";
+        }
+        is_left_out &= line != "    },";
+    }
+    kept
+}
+
 #[test]
 fn golden_robots_of_version_4_lose_nothing_that_was_learned() {
     let mut text = String::new();
@@ -45,7 +60,8 @@ fn golden_robots_of_version_4_lose_nothing_that_was_learned() {
         assert_eq!(same.len(), whiskers.len());
         assert_eq!(Robot::restore(&now, &same).unwrap(), robot);
     }
-    let expected = include_str!("../../../data/state-4/robots.txt");
+    let (text, expected) = (without_lengths(&text), without_lengths(include_str!("../../../data/state-4/robots.txt")));
+    assert!(text.len() > 10_000, "{}", text.len());
     let differs = text.lines().zip(expected.lines()).find(|(text, expected)| text != expected);
     assert_eq!((differs, text.len()), (None, expected.len()));
 }
@@ -79,7 +95,9 @@ fn regress_a_whisker_whose_stored_length_is_infinite_is_learned_anew() {
     let whole = Robot::restore(&parts[0], &parts[1..]).unwrap();
     let view = whole.whisker(0).unwrap();
     assert!(view.contacts > 0);
-    let log_length = (view.length.length.mm() / view.sheet.length.mm()).ln() as f32;
+    let share_left = view.length.length.mm() / view.sheet.length.mm();
+    // The stated length is corrected for the slope of the offset: `LengthFilter::length`.
+    let log_length = (share_left.ln() * (1.0 - 0.33 * view.offset.slope / share_left)) as f32;
     let places: Vec<usize> =
         (0..parts[1].len() - 4).filter(|&at| parts[1][at..at + 4] == log_length.to_le_bytes()).collect();
     let [at] = places[..] else { panic!("the filter's log length {log_length} is at {places:?}") };

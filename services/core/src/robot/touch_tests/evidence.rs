@@ -174,11 +174,13 @@ impl Robot {
         let may_refute = test.under_way().is_none() && (test.done > 0 || !whisker.is_reach_silent());
         let length_before_mm = test.evidence.length_mm();
         let unchanged_max = if test.is_for_change() { UNCHANGED_AFTER_CHANGE_MAX } else { UNCHANGED_MAX };
+        // The test decides the doubt that contacts cannot reduce.
+        let known_sd_mm = whisker.filter.learned_length().sd_mm;
         let is_shorter = posterior.unchanged < unchanged_max
             && test.touches >= TOUCHES_MIN
             // More touches do not lessen the error that all distances share.
             && posterior.sd_mm <= sd_most_mm.hypot(zero_sd_mm)
-            && posterior.mean_mm < length_before_mm - LOSS_MIN_MM.max(LOSS_MIN_SD * whisker.filter.length().sd_mm);
+            && posterior.mean_mm < length_before_mm - LOSS_MIN_MM.max(LOSS_MIN_SD * known_sd_mm);
         if is_shorter {
             let contacts = test.contacts.into();
             self.call_measured(
