@@ -26,7 +26,7 @@ fn trims(world: &World) -> Vec<Trim> {
 }
 
 #[test]
-fn property_trims_of_2_mm_and_more_are_found_within_45_contacts_and_1_mm() {
+fn property_trims_of_2_mm_and_more_are_found_within_48_contacts_and_1_mm() {
     for seed in 0..4 {
         let mut one = super::scenario(100 + seed, ArrayType::Type2, &[70.0; 12]);
         let lengths = [68.0, 68.0, 67.5, 67.0, 66.0, 65.0, 64.0, 62.0, 60.5, 58.0, 52.0, 40.0];
@@ -39,7 +39,7 @@ fn property_trims_of_2_mm_and_more_are_found_within_45_contacts_and_1_mm() {
         for trim in found {
             let off_mm = (trim.length_after.length.mm() - lengths[trim.whisker]).abs();
             assert!(off_mm < 1.0, "seed {seed}, {} mm is {off_mm} mm off: {trim:?}", lengths[trim.whisker]);
-            assert!(trim.contacts_to_detect <= 45, "seed {seed}: {trim:?}");
+            assert!(trim.contacts_to_detect <= 48, "seed {seed}: {trim:?}");
         }
     }
 }

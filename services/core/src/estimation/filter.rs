@@ -38,6 +38,8 @@ use crate::encoding;
 use crate::mechanics::{Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
 
+/// Index of the slope of the offset in the state.
+const SLOPE: usize = 1;
 /// Index of lambda in the state.
 pub const LENGTH: usize = 2;
 /// Index of the baseline in the state.
@@ -198,13 +200,15 @@ impl LengthFilter {
         Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, least_sd_mm: 0.0 }
     }
 
-    /// Keeps the length and its uncertainty, and forgets offset and baseline.
+    /// Keeps the length, the slope for which it is corrected, and their uncertainty. Forgets level of the offset and baseline.
     #[must_use]
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
-        anew.mean[LENGTH] = self.mean[LENGTH];
         anew.least_sd_mm = self.least_sd_mm;
-        anew.covariance.widen(LENGTH, self.covariance.variance(LENGTH) - anew.covariance.variance(LENGTH));
+        for kept in [SLOPE, LENGTH] {
+            anew.mean[kept] = self.mean[kept];
+            anew.covariance.widen(kept, self.covariance.variance(kept) - anew.covariance.variance(kept));
+        }
         anew
     }
 
@@ -220,7 +224,7 @@ impl LengthFilter {
     pub fn learned_length(&self) -> LengthEstimate {
         let log_length = self.log_length() * self.per_log();
         let length_mm = (self.whole_length_mm * log_length.exp()).clamp(1.0, 1000.0);
-        let by_slope = OFFSET_SHARE * self.covariance.variance(1).max(0.0).sqrt();
+        let by_slope = OFFSET_SHARE * self.covariance.variance(SLOPE).max(0.0).sqrt();
         let by_model = MODEL_SLOPE_SD.hypot(by_slope) * log_length;
         let learned_sd = self.covariance.variance(LENGTH).max(0.0).sqrt() * self.per_log();
         LengthEstimate { length: Millimetre::known(length_mm), sd_mm: length_mm * learned_sd.hypot(by_model) }
@@ -229,7 +233,7 @@ impl LengthFilter {
     /// Change of the whisker's log length for a change of lambda.
     #[must_use]
     pub fn per_log(&self) -> f64 {
-        1.0 / (1.0 - OFFSET_SHARE * f64::from(self.mean[1])).max(LEAST_SHARE)
+        1.0 / (1.0 - OFFSET_SHARE * f64::from(self.mean[SLOPE])).max(LEAST_SHARE)
     }
 
     /// Length by the model alone, mm, which goes with an offset at the contact ratio.
@@ -265,7 +269,7 @@ impl LengthFilter {
     /// The offset that it would have at whole length.
     #[must_use]
     pub fn whole_offset(&self) -> Offset {
-        Offset { level: self.mean[0].into(), slope: self.mean[1].into() }
+        Offset { level: self.mean[0].into(), slope: self.mean[SLOPE].into() }
     }
 
     /// Present length as a share of the whole one.
@@ -492,7 +496,7 @@ impl LengthFilter {
     pub fn pressure_moved(&mut self, by_mpa: f64, params: &FilterParams) {
         let sd = params.offset_per_mpa * by_mpa;
         self.covariance.widen(0, sd.powi(2));
-        self.covariance.widen(1, sd.powi(2));
+        self.covariance.widen(SLOPE, sd.powi(2));
     }
 
     /// The temperature has moved suddenly by so many K: the offset becomes more uncertain.
@@ -538,7 +542,7 @@ impl LengthFilter {
     /// [`Self::doubt_gain`], and its slope over the contact ratio, which would tell level and length apart otherwise.
     pub fn doubt_model(&mut self, log_sd: f64, log_slope: f64) {
         self.doubt_gain(log_sd, log_slope);
-        self.covariance.widen(1, log_sd.powi(2));
+        self.covariance.widen(SLOPE, log_sd.powi(2));
     }
 
     /// All whiskers of the array have shifted by about this much in log sensitivity, which is no change of length.
@@ -547,7 +551,7 @@ impl LengthFilter {
     /// it anew.
     pub fn shared_shift(&mut self, log_shift: f64) {
         self.covariance.widen(0, log_shift.powi(2));
-        self.covariance.widen(1, log_shift.powi(2));
+        self.covariance.widen(SLOPE, log_shift.powi(2));
     }
 }
 
