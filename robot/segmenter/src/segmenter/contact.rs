@@ -16,7 +16,7 @@ const AFTER: (f64, f64) = (0.02, 3.0);
 /// Part of the samples that are glitches from which on several in a row are likely, and the shortest contact then, in s
 /// and samples.
 const GLITCHES: (f64, f64, f64) = (0.005, 0.06, 6.0);
-/// The shortest contact at the limit is longer by this factor.
+/// The shortest contact beyond the gauge's limit is longer by this factor.
 const AT_LIMIT: f64 = 3.0;
 
 impl Segmenter {
@@ -94,8 +94,9 @@ impl Segmenter {
         let intake = &self.intake;
         let mut contact = touch.end(&self.params, &self.ring, intake.period_s, |t_s| intake.time_us(t_s));
         contact.baseline += self.air.shift()[0];
-        // Runs of glitches at the limit may follow each other.
-        let runs = if contact.saturated { AT_LIMIT } else { 1.0 };
+        // Full-scale glitches may follow each other. A converter that ends below the gauge's limit has a short touch there, too.
+        let is_beyond = touch.peak_strain().abs() >= self.params.strain_limit;
+        let runs = if is_beyond { AT_LIMIT } else { 1.0 };
         let shortest_s = runs * GLITCHES.1.max(GLITCHES.2 * intake.period_s);
         if intake.glitches.part > GLITCHES.0 && touch.age_s() < shortest_s {
             self.settle(bin);
