@@ -14,17 +14,17 @@ const UNKNOWN: f64 = 0.25;
 /// Part of a shift that the history of the rubber changes, and part of the earlier steps that the next one leaves.
 const HISTORY: f64 = 0.05;
 const FADE: f64 = 0.8;
-/// The baseline follows what is left of a step for so long. s.
+/// The baseline follows the rest of a step for so long. s.
 const SETTLES_S: f64 = 0.5;
 /// A shift is known if its standard deviation is less than this part of it.
 const KNOWN: f64 = 0.3;
 
-/// What a step of air does now.
+/// State of a step of air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Phase {
     /// It moves the baseline.
     Moves,
-    /// The pressure stands, and the baseline follows what is left.
+    /// The pressure stands, and the baseline follows the rest of the step.
     Settles,
     #[default]
     Over,
@@ -52,12 +52,12 @@ struct Response {
     errors: f64,
 }
 
-/// The pressure, and what it does to the strains.
+/// The pressure, and the strains that it makes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Air {
     chamber: Chamber,
     response: Response,
-    /// What air has added to the strains since the start, as far as that is known.
+    /// Strains that air has added since the start, as far as they are known.
     shift: [f64; 2],
     until_s: f64,
     /// Pressure before the step.
@@ -104,7 +104,7 @@ impl Air {
         self.response.squares > 0.0 && self.response.error() * way_mpa < within.max(KNOWN * shift)
     }
 
-    /// What the strain may be off by: the part of the shift that is not known, and that of the pressure.
+    /// Possible error of the strain: the unknown part of the shift, and that of the pressure.
     pub(crate) fn doubt(&self) -> f64 {
         let all_mpa = self.chamber.setpoint_mpa - self.before_mpa;
         let left_mpa = self.chamber.setpoint_mpa - self.chamber.known.1;
@@ -123,7 +123,7 @@ impl Air {
         known_s == self.chamber.last_s && left_mpa < (mpa - self.before_mpa).abs()
     }
 
-    /// What is left of a step is a step of its own.
+    /// The rest of a step is a step of its own.
     pub(crate) fn begin(&mut self) {
         self.before_mpa = self.chamber.mpa.unwrap_or(0.0);
     }

@@ -1,4 +1,4 @@
-//! The reference level: rest that is found, and contacts that may be told once it is rest.
+//! The reference level: finding rest, and holding contacts back until the level is known to be rest.
 
 use super::{CERTAIN_S, LOW, Segmenter, State};
 use crate::intake::Bin;
@@ -58,7 +58,7 @@ impl Segmenter {
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
     }
 
-    /// When shaking ends, what it hid is the baseline: its mean over some bins is off by more than calm noise explains.
+    /// Shaking may hide a move of the baseline. When it ends, the mean over some bins is the baseline, if calm noise does not explain it.
     pub(super) fn calm_down(&mut self, bin: &Bin) {
         let ends = std::mem::replace(&mut self.shook, bin.shaking) && !bin.shaking;
         let hidden = self.params.onset_sds * self.baseline.shaking_sd(self.intake.grain);

@@ -1,4 +1,4 @@
-//! Steps of air: the reference follows what is not known of their shift, and the shift is learned.
+//! Steps of air: the reference follows the unknown part of their shift, and the shift is learned.
 
 use super::{Segmenter, State, Step};
 use crate::air::Phase;
@@ -103,7 +103,7 @@ impl Segmenter {
         }
     }
 
-    /// At rest the reference follows what is left of a step, once the pressure is known. Returns whether a step goes on.
+    /// At rest the reference follows the rest of a step, once the pressure is known. Returns whether a step goes on.
     pub(super) fn follow_step(&mut self, bin: &Bin) -> bool {
         let is_in_step = self.is_in_step();
         if is_in_step && self.air.phase() == Phase::Settles {

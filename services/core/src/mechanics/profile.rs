@@ -62,7 +62,7 @@ impl Offset {
         Self { level: level + slope * Self::CENTRE * (share_left - 1.0), slope: slope * share_left }
     }
 
-    /// What this offset has more than another one.
+    /// Difference from another offset.
     #[must_use]
     pub fn beyond(self, other: Self) -> Self {
         Self { level: self.level - other.level, slope: self.slope - other.slope }
