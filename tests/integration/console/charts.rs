@@ -307,3 +307,33 @@ async fn the_models_curve_is_shown_with_recent_contacts_and_the_unbroken_whisker
     stage.is_clean();
     stage.stop().await;
 }
+
+#[tokio::test]
+async fn regress_a_closed_chart_draws_nothing_and_moves_no_cursor() {
+    let mut stage = Stage::start().await;
+    stage.open("#/fleets").await;
+    let closed = |when: &str| {
+        format!(
+            "import('/console/charts/plot.js').then(async ({{ Plot }}) => {{ \
+               let moves = 0; \
+               const spec = {{ key: 'k', title: 't', isTime: false, atLeast: [0, 1], cursorWords: String, \
+                 series: [{{ name: 's', tone: 'a', look: 'line', say: String }}] }}; \
+               const plot = new Plot(spec, {{ cursor: () => (moves += 1), spoken: () => {{}} }}); \
+               document.body.append(plot.element); \
+               const drawn = plot.set([{{ x: [0, 1], y: [0, 1] }}], {{ from: 0, to: 1 }}); \
+               {when} \
+               await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); \
+               const charts = plot.element.querySelectorAll('.uplot').length; \
+               plot.element.remove(); \
+               return [charts, moves]; \
+             }})"
+        )
+    };
+    let open = stage.browser.js(&closed("await drawn;")).await;
+    assert!(open[0] == 1 && open[1].as_u64() > Some(0), "an open chart is drawn, and its cursor is told: {open}");
+    for when in ["plot.close(); await drawn;", "await drawn; moves = 0; plot.redraw(); plot.close();"] {
+        assert_eq!(stage.browser.js(&closed(when)).await, json!([0, 0]), "{when}");
+    }
+    stage.is_clean();
+    stage.stop().await;
+}

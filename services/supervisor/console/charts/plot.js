@@ -33,6 +33,7 @@ export class Plot {
   #nothing = h("p", { class: "nothing", hidden: true }, "no values in this range");
   #area;
   #isFollowing = false;
+  #isClosed = false;
   #sizes = new ResizeObserver(() => this.#resize());
 
   constructor(spec, on) {
@@ -59,6 +60,7 @@ export class Plot {
   async set(data, window, events = []) {
     [this.#data, this.#window, this.#events] = [data, window, events];
     this.#library = await loaded();
+    if (this.#isClosed) return;
     this.#nothing.hidden = data.some(({ x }) => x.some((one) => one >= window.from && one <= window.to));
     if (this.#chart) this.#chart.setData(this.#columns());
     else this.#draw();
@@ -71,6 +73,7 @@ export class Plot {
   }
 
   close() {
+    this.#isClosed = true;
     this.#sizes.disconnect();
     this.#chart?.destroy();
     this.#chart = null;
@@ -213,7 +216,8 @@ export class Plot {
   }
 
   #moved(chart) {
-    if (this.#isFollowing) return;
+    // uPlot calls hooks in a later microtask, even after `close`.
+    if (this.#isFollowing || this.#isClosed) return;
     this.#on.cursor(chart.cursor.left < 0 ? null : chart.posToVal(chart.cursor.left, "x"));
   }
 

@@ -67,13 +67,14 @@ class RatioChart extends HTMLElement {
   #begin(spec, values, key) {
     this.#plot?.close();
     this.#key = key;
-    this.#plot = new Plot(
+    const plot = new Plot(
       { ...across, ...spec },
       {
-        cursor: (x) => this.#plot.follow(x),
+        cursor: (x) => plot.follow(x),
         spoken: (text) => (this.#spoken.textContent = text),
       },
     );
+    this.#plot = plot;
     const isOpen = this.#body.querySelector("details")?.open ?? false;
     const details = h("details", { open: isOpen }, h("summary", {}, "Values as a table"), h("div", {}, values));
     this.#body.replaceChildren(this.#plot.element, details, this.#spoken);
