@@ -46,6 +46,31 @@ fn contacts_whose_records_are_deleted_or_damaged_before_anybody_reads_them_are_r
     }
 }
 
+/// A supervisor of the next version has written the state of a robot, and one of the present version reads the log
+/// afterwards, whose messages of this robot it does not take. In the end the next version replays what was read.
+#[test]
+fn regress_a_replay_takes_no_message_that_a_former_program_has_left_alone() {
+    let strike = |at_ms, kind, lasts_ms, victim, measure| Strike {
+        at: Duration::from_millis(at_ms),
+        kind,
+        lasts: Duration::from_millis(lasts_ms),
+        victim,
+        measure,
+    };
+    // The smallest history of a seed in which robots got receipts of contacts that nobody had recorded.
+    let strikes = vec![
+        strike(26_618, Kind::BrokerRestarted, 3_366, 77, 10_367_151_037_783_124_010),
+        strike(28_884, Kind::SlowBroker, 9_297, 581, 7_761_346_811_776_868_842),
+        strike(61_311, Kind::SupervisorUpgraded, 2_377, 531, 6_176_468_088_424_929_065),
+        strike(63_473, Kind::ToBrokerCut, 18_189, 72, 5_956_333_572_608_168_471),
+        strike(64_188, Kind::RecordsLate, 7_741, 918, 17_179_968_319_947_640_280),
+        strike(64_637, Kind::PartitionAway, 10_781, 480, 7_910_766_671_158_002_863),
+    ];
+    let plan = Plan::draw(101_045, Sizes::default()).with(strikes);
+    let outcome = run(&Plan { supervisors: 3, fleets: 3, robots: 8, ..plan });
+    assert!(outcome.violations.is_empty(), "{:?}", outcome.violations);
+}
+
 #[test]
 fn property_a_seed_gives_the_same_history_with_the_log() {
     let sizes = Sizes { supervisors: 3, robots: 8, length: Duration::from_secs(60), are_fixed: true };

@@ -13,8 +13,16 @@ export const RIGHT_PX = 34;
 const NEAR = 0.05;
 
 let library = null;
-/** Loads uPlot when the first chart is shown. */
-const loaded = () => (library ??= import("../vendor/uPlot.esm.js").then((module) => module.default));
+/** Loads uPlot when the first chart is shown. After a failure the next chart tries again. */
+async function loaded() {
+  library ??= import("../vendor/uPlot.esm.js").then((module) => module.default);
+  try {
+    return await library;
+  } catch (problem) {
+    library = null;
+    throw problem;
+  }
+}
 
 /**
  * `spec`: `{ key, title, unit, isTime, across, series, atLeast, level, cursorWords(x) }`. A series is `{ name, tone,

@@ -81,8 +81,9 @@ impl Engine {
             let received = Micros(received.0 + offset.abs_diff(from));
             let raw = RawMessage { topic, robot, kind, payload, received };
             // A replay must leave out what is not stepped here and now.
-            if self.suspects.has(&raw.robot) || !self.workers.of(&raw.robot).is_allowed(&raw.robot) {
-                except.extend(self.workers.robot(&raw.robot).map(|known| known.robot_id));
+            let worker = self.workers.of(&raw.robot);
+            if self.suspects.has(&raw.robot) || !worker.takes(&raw.robot) {
+                except.extend(worker.robot_id(&raw.robot));
             }
             if let Some(raw) = self.suspects.pass(raw) {
                 messages[index_of(&raw.robot, self.workers.count())].push(raw);

@@ -110,7 +110,7 @@ impl Replay {
                  program, or restore the back-up from before the upgrade (docs/operations.md, Upgrade and downgrade)"
             );
             stepper.count_set_aside(Reader::Checkpoint, 1);
-            return workers.of(&name).leave_to_newer_program(name.clone());
+            return workers.of(&name).leave_to_newer_program(name.clone(), robot_id);
         };
         stepper.count_set_aside(Reader::Checkpoint, forgotten.iter().count() as u64);
         stepper.batch_mut().rows_mut().records.extend(forgotten);

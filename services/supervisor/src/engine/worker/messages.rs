@@ -91,7 +91,7 @@ impl Worker {
 
     /// Whether the fleet's allow list permits the robot, and this program can go on with its state; a refusal is counted.
     fn permits(&mut self, raw: &RawMessage) -> bool {
-        if self.of_newer_program.contains(&raw.robot) {
+        if self.of_newer_program.contains_key(&raw.robot) {
             let problem = "a newer version of the program has written the robot's state: start that version";
             self.stepper.violation("newer_state", problem, &raw.robot);
             return false;

@@ -25,7 +25,7 @@ pub(crate) mod stepper;
 mod touch_tests;
 pub(crate) mod workers;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::hash::RandomState;
 
 use vibrissa_core::robot::{Event, Outcome};
@@ -69,8 +69,9 @@ pub(crate) struct Worker {
     /// The same for facts for the maintenance.
     maintenance_resumes_at: usize,
     allow_list: AllowList,
-    /// Robots whose state a newer version of the program has written. It is kept for that version, so nothing of them is taken.
-    of_newer_program: BTreeSet<Name>,
+    /// Robots whose state a newer version of the program has written, with their numbers. It is kept for that version, so
+    /// nothing of them is taken.
+    of_newer_program: BTreeMap<Name, i64>,
     /// Numbers of robots that were decommissioned in this epoch, should they come back.
     former: BTreeMap<Name, Former>,
     /// Robots that are not on the allow list.
@@ -95,7 +96,7 @@ impl Worker {
             estimates_resume_at: 0,
             maintenance_resumes_at: 0,
             allow_list: AllowList::default(),
-            of_newer_program: BTreeSet::new(),
+            of_newer_program: BTreeMap::new(),
             former: BTreeMap::new(),
             refused_robots: RefusedRobots::default(),
             hashers: RandomState::new(),
@@ -109,9 +110,15 @@ impl Worker {
         self.part = Some(part);
     }
 
-    /// Whether the allow list permits a robot.
-    pub(crate) fn is_allowed(&self, robot: &Name) -> bool {
-        self.allow_list.permits(robot)
+    /// Whether messages of a robot are taken: the allow list permits it, and its state is not one of a newer program.
+    pub(crate) fn takes(&self, robot: &Name) -> bool {
+        self.allow_list.permits(robot) && !self.of_newer_program.contains_key(robot)
+    }
+
+    /// Number of a robot that is known, or that waits for a newer program.
+    pub(crate) fn robot_id(&self, robot: &Name) -> Option<i64> {
+        let known = self.robots.get(robot).map(|known| known.robot_id);
+        known.or_else(|| self.of_newer_program.get(robot).copied())
     }
 
     /// Makes the messages of these records durable, which were handled before.
@@ -177,12 +184,12 @@ impl Worker {
     }
 
     /// Refuses a robot whose state a newer version of the program has written.
-    pub(crate) fn leave_to_newer_program(&mut self, name: Name) {
-        self.of_newer_program.insert(name);
+    pub(crate) fn leave_to_newer_program(&mut self, name: Name, robot_id: i64) {
+        self.of_newer_program.insert(name, robot_id);
     }
 
     /// The robots that wait for a newer version of the program.
-    pub(crate) fn of_newer_program(&self) -> &BTreeSet<Name> {
+    pub(crate) fn of_newer_program(&self) -> &BTreeMap<Name, i64> {
         &self.of_newer_program
     }
 
@@ -238,7 +245,8 @@ impl Worker {
                 return false;
             }
         }
-        if let Some(part) = self.part.filter(|_| first == 0) {
+        // A newer program would replay the tick of all for the robots that wait for it, which have none here.
+        if let Some(part) = self.part.filter(|_| first == 0 && self.of_newer_program.is_empty()) {
             self.stepper.batch.tick_all(journal_before, now, part);
         }
         true

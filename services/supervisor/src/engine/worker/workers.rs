@@ -111,7 +111,7 @@ impl Workers {
     pub(crate) fn left_to_newer_program(&self) -> Option<String> {
         const NAMES_MAX: usize = 10;
         let names: Vec<&str> =
-            self.workers.iter().flat_map(|worker| worker.of_newer_program()).map(Name::as_str).collect();
+            self.workers.iter().flat_map(|worker| worker.of_newer_program().keys()).map(Name::as_str).collect();
         let list = names.iter().take(NAMES_MAX).copied().collect::<Vec<_>>().join(", ");
         (!names.is_empty()).then(|| {
             format!(
