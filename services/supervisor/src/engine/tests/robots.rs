@@ -1,5 +1,7 @@
 //! Receipts of many robots, and robots that announce themselves.
 
+use super::super::commit::journal::JournalEvent;
+use super::super::part::Part;
 use super::*;
 
 #[test]
@@ -42,6 +44,29 @@ fn a_robot_that_was_only_announced_is_not_taken_up() {
     }
     let names: Vec<&str> = workers.robots().map(|known| known.name.as_str()).collect();
     assert_eq!(names, ["r2"], "a held robot must be kept");
+}
+
+#[test]
+fn robots_of_a_newer_program_get_no_tick_by_a_replay() {
+    let ticks = |waits: bool| {
+        let (mut worker, now) = (worker(2), Micros(5_000_000));
+        let mut rate = CheckpointRate::new(Micros(1));
+        worker.set_part(Part { number: 0, of: 1 });
+        if waits {
+            worker.leave_to_newer_program(Name::robot("r9").unwrap(), 9);
+        }
+        seal(&mut worker, Micros(1), &mut rate);
+        let mut world = World::new(1);
+        [1, 2].into_iter().for_each(|robot_id| world.status(&mut worker, robot_id));
+        worker.tick(now, &Delayed::new(), usize::MAX);
+        let row = seal(&mut worker, now, &mut rate).journal.unwrap();
+        let row = StoredEntries::new(JournalReading { number: row.number, log_partition: 0, entries: row.entries });
+        let entries = row.entries().map(Result::unwrap);
+        let ticks = entries.filter(|entry| matches!(entry.event, JournalEvent::Tick | JournalEvent::TickAll { .. }));
+        ticks.map(|entry| entry.robot_id).collect::<Vec<_>>()
+    };
+    // No robot has the number 0: it is the tick of all.
+    assert_eq!((ticks(false), ticks(true)), (vec![0], vec![1, 2]));
 }
 
 fn raw_message(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> RawMessage {
