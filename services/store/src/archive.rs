@@ -11,7 +11,7 @@ use super::database::{Either, Tx, on};
 use super::export::{CONTACTS, Cell, cell};
 use super::from_row::from_row;
 use super::model::{Model, none};
-use super::partitions::DAY_US;
+use super::retention::partitions::DAY_US;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 use std::time::Duration;

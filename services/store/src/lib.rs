@@ -47,7 +47,6 @@ pub mod model;
 mod no_server;
 pub mod notes;
 pub mod overview;
-mod partitions;
 pub mod policies;
 mod postgres;
 pub mod programs;

@@ -3,15 +3,16 @@
 use sqlx::PgConnection;
 
 mod boots;
-pub(super) mod done;
+mod done;
+pub(super) mod partitions;
 mod records;
 pub mod tables;
 
 pub use done::Done;
 
 use super::database::Either;
-use super::partitions::{self, CONTACTS, DAY_US, MINUTES};
 use super::{Store, StoreError, failed};
+use partitions::{CONTACTS, DAY_US, MINUTES};
 
 /// Retention times in days; 0 stands for unlimited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

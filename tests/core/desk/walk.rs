@@ -149,11 +149,6 @@ fn walk(list: &[(f64, f64)], begin: Begin, disturbance: Disturbance) {
 }
 
 #[test]
-fn a_whisker_of_an_uno_is_compensated() {
-    walk(&[(1.0, 0.006)], Begin::at("uno", 0.45), Disturbance::None);
-}
-
-#[test]
 fn one_of_two_whiskers_of_an_uno_is_compensated() {
     walk(&[(1.0, 0.006), (-1.0, 0.02)], Begin::at("uno", 0.8), Disturbance::None);
 }
@@ -178,7 +173,7 @@ fn a_board_that_restarts_is_served_again() {
 }
 
 #[test]
-fn a_clock_that_is_set_does_no_harm() {
+fn a_whisker_of_an_uno_is_compensated_although_the_clock_is_set() {
     walk(&[(-1.0, 0.02)], Begin::at("uno", 0.9), Disturbance::ClockSet(3_600));
 }
 

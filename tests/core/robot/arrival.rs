@@ -17,6 +17,9 @@ const CONTACTS_PER_MESSAGE: u64 = 4;
 /// Time of the cut, s after the first message. The cold start is over, also of the contacts that arrive later.
 const CUT_AFTER_S: u64 = 75;
 const MESSAGES: u64 = 165;
+/// Histories of each share of delayed messages. In order of arrival a third of them had a wrong result at a share of 0.02, and
+/// more at the others.
+const HISTORIES: u64 = 500;
 /// Longest delay of a message, s.
 const DELAY_MAX_S: f64 = 60.0;
 
@@ -106,7 +109,7 @@ fn outcome(seed: u64, delayed: f64) -> (usize, f64, bool) {
 fn property_any_order_of_arrival_within_a_minute_gives_the_same_trims() {
     for delayed in [0.0, 0.02, 0.1, 0.3, 1.0] {
         let outcomes: Vec<(usize, f64, bool)> =
-            (0..2000_u64).into_par_iter().map(|seed| outcome(seed, delayed)).collect();
+            (0..HISTORIES).into_par_iter().map(|seed| outcome(seed, delayed)).collect();
         for (seed, (trims, off_mm, other)) in outcomes.into_iter().enumerate() {
             let what = format!("seed {seed}, a share of {delayed} delayed: {trims} trims, {off_mm} mm off");
             assert!(trims == 1 && off_mm.abs() < 1.0 && !other, "{what}");

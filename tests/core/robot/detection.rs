@@ -47,7 +47,7 @@ fn property_false_alarms_are_no_more_frequent_than_stated() {
 /// cut at 9), and the lengths after a cut lie in their intervals as often as these say.
 #[test]
 fn property_the_filter_knows_how_much_it_knows() {
-    let found = evaluate(&Plan { cuts: 400, sizes_mm: vec![2.0, 5.0], ..plan() }, &|| ());
+    let found = evaluate(&Plan { cuts: 400, healthy_whiskers: 20, sizes_mm: vec![2.0, 5.0], ..plan() }, &|| ());
     assert!((found.healthy.mean_square - 0.995).abs() < 0.02, "{:?}", found.healthy);
     for delay in &found.delays {
         assert!(delay.called_share > 0.97, "{delay:#?}");

@@ -128,3 +128,27 @@ fn no_files_of_a_crate_import_each_other_in_a_circle() {
         assert_eq!(in_circles(&imports(&folder(name).join("src"))), [""; 0], "{name}");
     }
 }
+
+/// The modules directly below a module, with the imports of all their files.
+fn below(imports: &Imports, parent: &[&str]) -> Imports {
+    let place = parent.len();
+    let child =
+        |module: &Module| (module.len() > place && module[..place] == *parent).then(|| vec![module[place].clone()]);
+    let mut children = Imports::new();
+    for (module, targets) in imports {
+        let Some(of) = child(module) else { continue };
+        let others: BTreeSet<Module> = targets.iter().filter_map(child).filter(|target| *target != of).collect();
+        children.entry(of).or_default().extend(others);
+    }
+    children
+}
+
+/// A folder is understood after those that it imports, without going back.
+#[test]
+fn no_modules_of_the_store_or_of_the_engine_depend_on_each_other() {
+    for (name, parent) in [("store", &[][..]), ("supervisor", &["engine"])] {
+        let modules = below(&imports(&folder(name).join("src")), parent);
+        assert!(modules.len() > 15, "{modules:?}");
+        assert_eq!(in_circles(&modules), [""; 0], "{name}");
+    }
+}

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use vibrissa_store::Store;
-use vibrissa_store::events::upkeep::EVENTS_MAX;
+use vibrissa_store::webhooks::upkeep::EVENTS_MAX;
 use vibrissa_tests::wait::until_true;
 
 use crate::receiver::{Manner, Receiver};

@@ -22,7 +22,7 @@ fn is_near(strains: &[f64], expected: f64, tolerance: f64) -> bool {
 #[test]
 fn an_hx711_is_read_at_both_rates_with_each_gain_and_sign() {
     let Some(folder) = compiled("uno") else { return };
-    for (rate_hz, gain, per_v) in [(80, 128, 0.4), (80, 64, -0.4), (80, 32, 0.1), (10, 128, -0.4), (10, 64, 0.4)] {
+    for (rate_hz, gain, per_v) in [(80, 128, 0.4), (80, 64, -0.4), (80, 32, 0.1), (10, 128, -0.4)] {
         let script = hx711(rate_hz, gain, per_v)
             + "1500 !bridge 0 0.0123\n3000 !bridge 0 -0.0045\n4500 !bridge 0 0.00001\n6000 !end\n";
         let lines = run("uno", &folder, &script);

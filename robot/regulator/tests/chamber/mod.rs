@@ -122,8 +122,10 @@ impl Rig {
     /// Runs for so many seconds; calls `each` after each reading.
     pub(crate) fn run(&mut self, seconds: f64, mut each: impl FnMut(&Rig)) {
         let end_us = self.now_us + (seconds * 1e6) as u64;
+        let mut reads_us = self.now_us.next_multiple_of(self.reading_us);
         while self.now_us < end_us {
-            if self.now_us.is_multiple_of(self.reading_us) {
+            if self.now_us == reads_us {
+                reads_us += self.reading_us;
                 let reading = self.reading();
                 let supply = self.supply_sensor.then_some(self.supply_mpa as f32);
                 let command = self.regulator.step(self.now_us, reading, supply);
@@ -152,9 +154,9 @@ impl Rig {
         };
         self.fill_open = towards(self.fill_open, fill, self.fill_stuck);
         self.vent_open = towards(self.vent_open, vent, self.vent_stuck);
-        let rate = (self.fill_open * orifice(self.supply_mpa, self.true_mpa)
-            + self.vent_open * orifice(0.0, self.true_mpa))
-            / self.tau_s;
+        // Both valves are closed nearly all the time.
+        let through = |open: f64, from_mpa| if open > 0.0 { open * orifice(from_mpa, self.true_mpa) } else { 0.0 };
+        let rate = (through(self.fill_open, self.supply_mpa) + through(self.vent_open, 0.0)) / self.tau_s;
         let cooled = self.warmth_mpa * dt_s / 0.5;
         self.warmth_mpa += self.cooling * rate * dt_s - cooled;
         self.true_mpa += rate * dt_s - cooled - self.leak_mpa_per_s * (self.true_mpa / 0.1).max(0.0) * dt_s;

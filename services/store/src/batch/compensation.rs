@@ -1,7 +1,6 @@
 //! Rows of compensations: decisions with their candidates, measured errors with their bins, and refinements.
 
-use super::Interval;
-use crate::row::row;
+use crate::row::{Interval, row};
 
 row! {
     /// A decision with its candidates.

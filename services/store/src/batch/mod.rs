@@ -17,6 +17,8 @@ pub use record::*;
 pub use rows::*;
 pub use touch_test::*;
 
+pub use crate::row::Interval;
+
 use crate::LogPositions;
 
 /// All rows that follow from a batch of messages, and the journal.

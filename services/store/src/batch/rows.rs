@@ -1,7 +1,7 @@
 //! The frequent rows of a batch: checkpoints, contacts, aggregates, responses and the journal.
 
 use crate::Resolution;
-use crate::row::row;
+use crate::row::{Interval, row};
 
 /// A factsheet with a new layout.
 #[derive(Debug)]
@@ -13,17 +13,6 @@ pub struct LayoutRow {
     /// Whiskers that are not on the robot any more, each with the serialized aggregates of its current minute and
     /// hour.
     pub gone: Vec<(i64, Vec<u8>)>,
-}
-
-/// An estimate with its 95 % interval.
-#[derive(Debug, Clone, Copy)]
-pub struct Interval {
-    /// The estimated value.
-    pub mean: f64,
-    /// Lower bound of the interval.
-    pub low: f64,
-    /// Upper bound of the interval.
-    pub high: f64,
 }
 
 row! {

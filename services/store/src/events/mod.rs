@@ -1,11 +1,10 @@
 //! The log of events: table `events`, one row for each fact, written in the transaction of the fact.
 //!
 //! Its readers are live pages, webhooks and Kafka. Each has a [`Position`], and asks for the events after it; so a reader
-//! misses none, even if several supervisors write at once. [`write`] appends, [`published`] follows Kafka's position,
-//! [`upkeep`] removes old events.
+//! misses none, even if several supervisors write at once. [`write`] appends, and [`published`] follows Kafka's position.
+//! [`super::webhooks::upkeep`] removes old events, because webhooks count those that they lose.
 
 pub mod published;
-pub mod upkeep;
 pub mod write;
 
 use std::fmt;

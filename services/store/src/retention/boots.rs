@@ -1,8 +1,8 @@
 //! Removal of boots to which nothing refers any more.
 
+use super::partitions::{self, CONTACTS, DAY_US};
 use super::{Done, ROWS};
 use crate::database::Either;
-use crate::partitions::{self, CONTACTS, DAY_US};
 use crate::{Store, StoreError, failed};
 
 /// Former boots of each robot, the newest ones left out, beginning with its oldest; `$1` is the time before which a boot must

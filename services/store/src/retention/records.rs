@@ -2,10 +2,10 @@
 
 use sqlx::{AssertSqlSafe, SqlSafeStr as _};
 
+use super::partitions::DAY_US;
 use super::{Done, ROWS};
 use crate::Store;
 use crate::database::{Either, on};
-use crate::partitions::DAY_US;
 
 /// The oldest rows of tables whose causes are over: `$1` is the time before which they are too old, `$2` the most rows, and
 /// ROW the database's name of a row. Numbers rise in the order of recording, so no index of the time is needed.

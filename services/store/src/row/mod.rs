@@ -7,6 +7,7 @@ pub(crate) mod statement;
 mod value;
 
 pub(crate) use statement::{Declared, Parent, Statement};
+pub use value::Interval;
 pub(crate) use value::{Array, Field, Type, Value};
 
 /// A column of a table.

@@ -4,8 +4,6 @@ use sqlx::postgres::{PgArguments, Postgres};
 use sqlx::query::Query;
 use sqlx::sqlite::{Sqlite, SqliteArguments};
 
-use crate::batch::Interval;
-
 /// Defines the types of columns: the name in Rust and in PostgreSQL, the SQLite types that hold it, and the Rust type
 /// of a value.
 macro_rules! types {
@@ -130,6 +128,17 @@ fields! {
 }
 
 /// Estimate, lower and upper bound.
+/// An estimate with its 95 % interval.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// The estimated value.
+    pub mean: f64,
+    /// Lower bound of the interval.
+    pub low: f64,
+    /// Upper bound of the interval.
+    pub high: f64,
+}
+
 impl Field for Interval {
     const TYPES: &'static [Type] = &[Type::Double; 3];
 

@@ -7,6 +7,7 @@ pub mod dead;
 mod job;
 pub mod manage;
 pub mod queue;
+pub mod upkeep;
 
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::events::Interest;

@@ -12,9 +12,9 @@ use sqlx::AssertSqlSafe;
 use tokio::time::Instant;
 
 pub use super::job::Job;
+use super::upkeep::Brief;
 use super::{COLUMNS, WebhookRow, now_us, now_us_of};
 use crate::database::{Tx, on};
-use crate::events::upkeep::Brief;
 use crate::events::{EVENTS, EVENTS_A_QUERY, Position, Positioned, StoredEvent, select, settled};
 use crate::from_row::from_row;
 use crate::lease_watch::Reading;

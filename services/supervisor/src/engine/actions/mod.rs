@@ -16,8 +16,8 @@ use vibrissa_edge::ids::command_id;
 use vibrissa_edge::words::{Word, named};
 use vibrissa_protocol::{Name, plain};
 
-use super::commit::pipeline::Pipeline;
 use super::fleet_metrics;
+use super::pipeline::Pipeline;
 use super::quarantine::suspects::Suspects;
 use super::rollout::{Order, Rollout};
 use super::worker::workers::Workers;

@@ -30,9 +30,9 @@ pub(crate) struct Committer {
 
 /// Result of one write.
 pub(crate) struct Written {
-    pub(super) committer: Committer,
-    pub(super) transaction: SealedTransaction,
-    pub(super) result: Result<Committed, LeaseLost>,
+    pub(in crate::engine) committer: Committer,
+    pub(in crate::engine) transaction: SealedTransaction,
+    pub(in crate::engine) result: Result<Committed, LeaseLost>,
 }
 
 /// Result of a commit.
@@ -94,7 +94,7 @@ impl Committer {
     }
 
     /// Writes the rows of a transaction.
-    pub(super) async fn write(mut self, mut transaction: SealedTransaction) -> Written {
+    pub(in crate::engine) async fn write(mut self, mut transaction: SealedTransaction) -> Written {
         let result = self.commit(&mut transaction.rows).await;
         Written { committer: self, transaction, result }
     }

@@ -1,14 +1,11 @@
-//! The write path, from the effects of a step to committed rows and back after a restart.
+//! What is written, from the effects of a step to committed rows. [`super::pipeline`] decides when, and reads it back after a
+//! restart.
 //!
 //! - [`batch`]: the effects of a worker's steps since the last transaction was sealed.
 //! - [`journal`]: an input log. A step without a decision writes its *event* here, and the robot's checkpoint may wait.
 //! - [`checkpoint`]: robots' states as rows, written at once after a decision, otherwise about two seconds later.
-//! - [`schedule`]: group commit, the time at which the open batches become a transaction.
 //! - [`transaction`]: a sealed transaction on its way to the database.
-//! - [`pipeline`]: transactions one after the other, and the publications that wait for them.
-//! - [`release`]: the last check of a publication, which must not leave before its commit.
 //! - [`committer`]: one transaction in the database, with retries while the database is unreachable.
-//! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
 //!
 //! The states of a transaction:
 //!
@@ -36,8 +33,4 @@ pub(crate) mod batch;
 pub(crate) mod checkpoint;
 pub(crate) mod committer;
 pub(crate) mod journal;
-pub(crate) mod pipeline;
-pub(crate) mod recovery;
-mod release;
-pub(crate) mod schedule;
 pub(crate) mod transaction;

@@ -14,20 +14,20 @@ use vibrissa_store::batch::{JournalRow, Owner, Owners, Record};
 #[derive(Default)]
 pub(crate) struct SealedTransaction {
     /// Number of the transaction in the fleet's journal.
-    pub(super) number: i64,
-    pub(super) rows: Batch,
-    pub(super) publications: Vec<Publication>,
+    pub(in crate::engine) number: i64,
+    pub(in crate::engine) rows: Batch,
+    pub(in crate::engine) publications: Vec<Publication>,
     /// The messages behind the rows.
-    pub(super) messages: Vec<RawMessage>,
-    pub(super) times: Vec<MessageTimes>,
+    pub(in crate::engine) messages: Vec<RawMessage>,
+    pub(in crate::engine) times: Vec<MessageTimes>,
     /// Spans of the transaction, by worker.
-    pub(super) spans: Vec<PendingSpans>,
+    pub(in crate::engine) spans: Vec<PendingSpans>,
     /// Actions whose answers are in the rows.
-    pub(super) answered: Vec<i64>,
+    pub(in crate::engine) answered: Vec<i64>,
     /// Number of contacts in the journal entries.
-    pub(super) journal_contacts: usize,
+    pub(in crate::engine) journal_contacts: usize,
     /// Number of received messages that wait for its commit.
-    pub(super) received: u64,
+    pub(in crate::engine) received: u64,
 }
 
 impl SealedTransaction {
@@ -47,7 +47,7 @@ impl SealedTransaction {
     }
 
     /// Adds a worker's journal entries, which contain `contacts` contacts.
-    pub(super) fn append_entries(&mut self, entries: Vec<u8>, contacts: usize) {
+    pub(in crate::engine) fn append_entries(&mut self, entries: Vec<u8>, contacts: usize) {
         self.journal_contacts += contacts;
         if entries.is_empty() {
             return;
@@ -59,7 +59,7 @@ impl SealedTransaction {
     }
 
     /// Whether there is nothing to write or to publish.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::engine) fn is_empty(&self) -> bool {
         self.rows.is_empty() && self.publications.is_empty()
     }
 

@@ -9,10 +9,10 @@ use vibrissa_core::robot::Event;
 use vibrissa_protocol::Name;
 
 use crate::engine::commit::committer::Offender;
-use crate::engine::commit::pipeline::Pipeline;
-use crate::engine::commit::recovery::Replay;
 use crate::engine::commit::transaction::{RobotShare, SealedTransaction};
 use crate::engine::message::RawMessage;
+use crate::engine::pipeline::Pipeline;
+use crate::engine::pipeline::recovery::Replay;
 use crate::engine::quarantine::suspect::{Suspect, Turn, Verdict};
 use crate::engine::worker::workers::Workers;
 use crate::events::{Parts, QuarantinePart, event};

@@ -9,7 +9,7 @@ const HELD_CONTACTS_MAX: usize = 200_000;
 
 /// Transactions whose entries are still in the journal.
 #[derive(Debug)]
-pub(in crate::engine::commit) struct JournalIndex {
+pub(in crate::engine) struct JournalIndex {
     /// Number of the last sealed transaction.
     last: i64,
     /// Transactions with entries in the journal, with the number of their contacts.
@@ -20,22 +20,22 @@ pub(in crate::engine::commit) struct JournalIndex {
 impl JournalIndex {
     /// The journal of a fleet after its recovery, up to the transaction `last`. It is deleted once the first
     /// checkpoints are written, because all its entries were replayed.
-    pub(in crate::engine::commit) fn recovered(last: i64) -> Self {
+    pub(in crate::engine) fn recovered(last: i64) -> Self {
         Self { last, transactions: (last > 0).then_some((last, 0)).into_iter().collect(), contacts: 0 }
     }
 
     /// Number of the transaction that is sealed next.
-    pub(in crate::engine::commit) fn next(&self) -> i64 {
+    pub(in crate::engine) fn next(&self) -> i64 {
         self.last + 1
     }
 
     /// Number of contacts in the journal.
-    pub(in crate::engine::commit) fn contacts(&self) -> usize {
+    pub(in crate::engine) fn contacts(&self) -> usize {
         self.contacts
     }
 
     /// Adds the transaction that is sealed now.
-    pub(in crate::engine::commit) fn append(&mut self, transaction: &SealedTransaction) {
+    pub(in crate::engine) fn append(&mut self, transaction: &SealedTransaction) {
         self.last = transaction.number;
         if transaction.rows.journal.is_some() {
             self.transactions.push_back((self.last, transaction.journal_contacts));
@@ -46,7 +46,7 @@ impl JournalIndex {
     /// Drops entries before `oldest`, the first one that is not contained in a checkpoint. `deletes` says whether the
     /// database is to delete them, too. `is_held` is true if a checkpoint may be rejected, so that entries are needed
     /// for longer.
-    pub(in crate::engine::commit) fn truncate(
+    pub(in crate::engine) fn truncate(
         &mut self,
         oldest: Option<i64>,
         (deletes, is_held): (bool, bool),

@@ -5,7 +5,7 @@
 //! The same events lead to the same state, because the core has no clock and no randomness; so only events are stored.
 //! Only events that lead to contact rows and nothing else are journalled; a decision needs a checkpoint.
 
-pub(super) mod index;
+pub(in crate::engine) mod index;
 mod place;
 pub(crate) mod records;
 mod stored;

@@ -6,10 +6,10 @@ use vibrissa_edge::events::{EventKind, Interest, webhook_kinds};
 use vibrissa_edge::guidance::Level;
 use vibrissa_edge::words::{Word as _, Words as _, named};
 
-use super::{EVENTS, Position, Positioned};
+use super::dead::lose;
 use crate::database::{Either, Tx, on};
+use crate::events::{EVENTS, Position, Positioned};
 use crate::from_row::from_row;
-use crate::webhooks::dead::lose;
 use crate::{Store, StoreError, failed};
 
 /// Number of events for webhooks that the log keeps, in fair shares of fleets and robots.

@@ -1,7 +1,15 @@
 //! The commit pipeline: open batches become transactions, one after the other, and their publications go out.
 //!
+//! - [`schedule`]: group commit, the time at which the open batches become a transaction.
+//! - [`release`]: the last check of a publication, which must not leave before its commit.
+//! - [`recovery`]: checkpoints are loaded, and the journal is replayed through the core.
+//!
 //! A transaction with a setpoint is sealed at once and kept short: it leaves receipts, and checkpoints that may wait, to the next
 //! one.
+
+pub(crate) mod recovery;
+mod release;
+pub(crate) mod schedule;
 
 use std::collections::BTreeMap;
 use std::future::pending;
@@ -15,14 +23,14 @@ use vibrissa_host::task;
 use crate::engine::commit::checkpoint::{CheckpointRate, due_after};
 use crate::engine::commit::committer::{Committed, Committer, LeaseLost, Written};
 use crate::engine::commit::journal::index::JournalIndex;
-use crate::engine::commit::release::may_go_out;
-use crate::engine::commit::schedule::Schedule;
 use crate::engine::commit::transaction::{SealedTransaction, answers};
 use crate::engine::fleet_metrics;
 use crate::engine::worker::publication::Receipts;
 use crate::engine::worker::workers::Workers;
 use crate::metrics::FleetMetrics;
 use crate::outbox::{Losses, Publication};
+use release::may_go_out;
+use schedule::Schedule;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::{Lease, LogPositions};
 

@@ -8,9 +8,9 @@
 use sqlx::{AssertSqlSafe, Connection, PgConnection, Row};
 use vibrissa_protocol::Timestamp;
 
-use super::retention::done::Done;
+use super::done::Done;
 
-pub(super) const DAY_US: i64 = 86_400_000_000;
+pub(crate) const DAY_US: i64 = 86_400_000_000;
 
 /// A table that is partitioned by time.
 #[derive(Debug, PartialEq, Eq)]
