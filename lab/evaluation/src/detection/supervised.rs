@@ -59,6 +59,7 @@ impl Supervised {
             length: Millimetre::known(WHOLE_MM),
             pressure,
             pressure_max: Megapascal::EXAMINED_MAX,
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: Vec::new(),
         };

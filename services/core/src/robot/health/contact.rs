@@ -166,6 +166,7 @@ impl Robot {
             HypothesisKind::Eroding => {
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
+                    whisker.begin_erosion(params, -change.size * whisker.filter.length().length.mm());
                     self.set_condition(index, Condition::Eroding, effects);
                 }
             }
@@ -231,7 +232,7 @@ impl Robot {
         }
         let whisker = &mut self.whiskers[index];
         let Some(pending) = whisker.rare.get_mut().and_then(|rare| rare.pending_trim.as_mut()) else { return };
-        let length: LengthEstimate = whisker.filter.length();
+        let length: LengthEstimate = whisker.filter.relative_length();
         // After a large cut the model's own error keeps this from being reached: then the full number of contacts is
         // waited for, in which the filter gets over its linearisation, too.
         let certain = length.sd_mm <= params.health.length_sd_max_mm;
