@@ -84,6 +84,9 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
                 self.look_first(params, index, effects);
             }
+            Verdict::Quiet if whisker.is_due_for_last_look() => {
+                self.look_first(params, index, effects);
+            }
             Verdict::Quiet if whisker.is_decided_after_doubt() && !self.awaits_confirmation(index) => {
                 self.end_doubt(index, effects);
             }
@@ -269,6 +272,9 @@ impl Robot {
         if from != to {
             let whisker = &mut self.whiskers[index];
             whisker.condition = to;
+            if !matches!(to, Condition::Learning | Condition::Healthy | Condition::Suspected) {
+                whisker.rare.forget_first();
+            }
             // Only who is trimmed needs to be served.
             whisker.unserved = false;
             effects.push(Effect::Condition { whisker: index, from, to });
