@@ -59,7 +59,8 @@ impl Supervised {
             length: Millimetre::known(WHOLE_MM),
             pressure,
             pressure_max: Megapascal::EXAMINED_MAX,
-            length_tolerance_mm: 0.5,
+            // The simulated whiskers are exactly as long.
+            length_tolerance_mm: 0.0,
             strain_max: None,
             neighbours: Vec::new(),
         };
