@@ -91,6 +91,7 @@ pub fn array(array_type: ArrayType, lengths_mm: &[f64]) -> ArrayFacts {
         pressure_max_mpa: 0.2,
         neighbours: beside(whisker).into_iter().flatten().collect(),
         place: None,
+        length_tolerance_mm: None,
         strain_max: None,
     });
     ArrayFacts { array: Name::new(ARRAY).expect("a name"), array_type, task: None, whiskers: whiskers.collect() }

@@ -223,6 +223,8 @@ fn factsheet(whiskers: u16) -> Factsheet {
         length: Millimetre::known(WHOLE_MM),
         pressure: Megapascal::known(PRESSURE_MPA),
         pressure_max: Megapascal::EXAMINED_MAX,
+        // The simulated whiskers are exactly as long.
+        length_tolerance_mm: 0.0,
         strain_max: None,
         neighbours: (0..whiskers).filter(|other| [1, 6].contains(&other.abs_diff(number))).collect(),
     };

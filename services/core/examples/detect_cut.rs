@@ -70,6 +70,7 @@ fn factsheet(length: Millimetre, pressure: Megapascal) -> Factsheet {
         length,
         pressure,
         pressure_max: Megapascal::EXAMINED_MAX,
+        length_tolerance_mm: 0.5,
         strain_max: None,
         neighbours: Vec::new(),
     };

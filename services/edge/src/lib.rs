@@ -23,6 +23,7 @@ pub mod touch_tests;
 pub mod words;
 
 use vibrissa_core::mechanics::CONTACT_RATIOS;
+use vibrissa_core::robot::LENGTH_TOLERANCE_MM;
 use vibrissa_core::robot::event::{
     AirControl, ArrayKind, ArraySheet, Contact, ContactPlace, Distance, Factsheet, GaugeState, Link, MissedTouch,
     RegulatorState, Rejection, SetpointReport, Task, TouchTests, WhiskerSheet, WhiskerStatus,
@@ -114,6 +115,7 @@ fn whisker_sheet(whisker: &protocol::WhiskerFacts, known: &[&str]) -> Result<Whi
         y_mm: whisker.y_mm,
         model: whisker.model.clone(),
         length: Millimetre::new(whisker.length_mm)?,
+        length_tolerance_mm: whisker.length_tolerance_mm.unwrap_or(LENGTH_TOLERANCE_MM),
         pressure: Megapascal::new(whisker.pressure_mpa)?,
         pressure_max: Megapascal::new(whisker.pressure_max_mpa)?,
         strain_max: whisker.strain_max,

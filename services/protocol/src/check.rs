@@ -61,6 +61,8 @@ pub(crate) const DISTANCE_MM: Range = range!(between 0.1 and 1000 " mm");
 pub(crate) const DISTANCE_SD_MM: Range = range!(above 0 to 100 " mm");
 /// Length of a whisker, in mm.
 pub(crate) const LENGTH_MM: Range = range!(between 1 and 1000 " mm");
+/// Error of a stated length, in mm.
+pub(crate) const LENGTH_TOLERANCE_MM: Range = range!(between 0 and 20 " mm");
 /// Length that a whisker has lost, in mm.
 pub(crate) const WEAR_MM: Range = range!(between 0 and 1000 " mm");
 /// Number of contacts that a whisker lasts.

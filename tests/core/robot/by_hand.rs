@@ -51,6 +51,7 @@ impl ByHand {
             length: Millimetre::known(length_mm),
             pressure: Megapascal::known(0.1),
             pressure_max: Megapascal::EXAMINED_MAX,
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: Vec::new(),
         };

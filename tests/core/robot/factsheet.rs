@@ -17,6 +17,7 @@ fn factsheet() -> Factsheet {
         length: Millimetre::known(70.0),
         pressure: Megapascal::known(0.0),
         pressure_max: Megapascal::known(0.2),
+        length_tolerance_mm: 0.5,
         strain_max: None,
         neighbours: Vec::new(),
     };
@@ -92,4 +93,41 @@ fn a_factsheet_that_says_nothing_new_leaves_nothing_to_be_stored() {
     let anew = Event::Factsheet { boot_id: "b2", factsheet: &factsheet() };
     assert_eq!(world.robot.step(&world.params, Micros(12_000_000), &anew, &mut Vec::new()), Outcome::Taken);
     assert!(world.robot.has_changed());
+}
+
+/// A factsheet whose length is within this, mm.
+fn within(tolerance_mm: f64) -> Factsheet {
+    let mut factsheet = factsheet();
+    factsheet.arrays[0].whiskers[0].length_tolerance_mm = tolerance_mm;
+    factsheet
+}
+
+#[test]
+fn a_length_is_as_certain_as_its_factsheet_says_and_another_tolerance_changes_nothing_else() {
+    for tolerance_mm in [0.2, 0.5, 2.0, 20.0] {
+        let mut world = World::new();
+        world.asks(10.0, &Event::Connection { boot_id: BOOT, link: Link::Online });
+        world.asks(10.0, &Event::Factsheet { boot_id: BOOT, factsheet: &within(tolerance_mm) });
+        let sd_mm = |robot: &Robot| robot.whisker(0).unwrap().length.sd_mm;
+        assert!((1.96 * sd_mm(&world.robot) - tolerance_mm).abs() < 0.01 * tolerance_mm, "{tolerance_mm}");
+        let relative = world.robot.whisker(0).unwrap().relative_length;
+        assert!((relative.sd_mm - 0.1).abs() < 1e-6, "{relative:?}: no part of a loss");
+        let mut effects = Vec::new();
+        let other = Event::Factsheet { boot_id: BOOT, factsheet: &within(1.0) };
+        let outcome = world.robot.step(&world.params, Micros(11_000_000), &other, &mut effects);
+        assert_eq!(outcome, Outcome::Taken);
+        assert!((1.96 * sd_mm(&world.robot) - 1.0).abs() < 0.01, "{tolerance_mm}");
+        let is_anew = |effect: &Effect| matches!(effect, Effect::Condition { .. } | Effect::Gone { .. });
+        assert!(!effects.iter().any(is_anew), "{effects:?}");
+    }
+}
+
+/// With no tolerance the length counts as exact, except for what the program never takes for exact.
+#[test]
+fn a_tolerance_of_zero_leaves_the_least_uncertainty() {
+    let mut world = World::new();
+    world.asks(10.0, &Event::Connection { boot_id: BOOT, link: Link::Online });
+    world.asks(10.0, &Event::Factsheet { boot_id: BOOT, factsheet: &within(0.0) });
+    let length = world.robot.whisker(0).unwrap().length;
+    assert!((length.sd_mm - 0.1).abs() < 1e-6, "{length:?}");
 }

@@ -30,6 +30,7 @@ impl Plant {
             length: Millimetre::new(70.0).unwrap(),
             pressure: Megapascal::known(0.1),
             pressure_max: Megapascal::known(0.2),
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: Vec::new(),
         };

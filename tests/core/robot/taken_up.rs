@@ -36,6 +36,7 @@ impl Taken {
             length: Millimetre::known(70.0),
             pressure: Megapascal::known(NOMINAL_MPA),
             pressure_max: Megapascal::known(0.2),
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: Vec::new(),
         };

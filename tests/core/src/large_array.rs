@@ -95,6 +95,7 @@ impl LargeArray {
             length: Millimetre::known(length_mm),
             pressure: Megapascal::known(0.1),
             pressure_max: Megapascal::known(0.2),
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: around(index, self.lengths_mm.len()),
         };

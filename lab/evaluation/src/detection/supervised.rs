@@ -59,6 +59,8 @@ impl Supervised {
             length: Millimetre::known(WHOLE_MM),
             pressure,
             pressure_max: Megapascal::EXAMINED_MAX,
+            // The simulated whiskers are exactly as long.
+            length_tolerance_mm: 0.0,
             strain_max: None,
             neighbours: Vec::new(),
         };

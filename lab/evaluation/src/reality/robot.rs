@@ -14,7 +14,7 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use super::air::Air;
 use super::course::Course;
 use super::nuisances::Nuisances;
-use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker, stream};
+use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker, normal, stream};
 use super::{RobotKind, StatedPlace};
 
 /// Number of whiskers of a robot.
@@ -26,6 +26,9 @@ const START_US: u64 = 1_795_248_000_000_000;
 /// Longest time that a message takes, s.
 const LATE_MAX_S: f64 = 60.0;
 const POST_STREAM: u64 = u64::MAX - 30;
+/// Standard deviation of the error of a factory length, mm: 0.5 mm at 95 %, as a factsheet without a tolerance has it.
+const WHOLE_SD_MM: f64 = 0.255;
+const WHOLE_STREAM: u64 = u64::MAX - 40;
 /// Time between two scheduled touch tests of a whisker: one hour.
 const TESTED_EVERY: Micros = Micros(3_600_000_000);
 /// Time between two statuses while the robot touches something, and while it does not, s.
@@ -124,7 +127,10 @@ impl Robot {
             layout,
             whiskers: numbers
                 .clone()
-                .map(|number| Whisker::new(designed, nuisances, layout.whole_mm(number), seed, number))
+                .map(|number| {
+                    let off_mm = WHOLE_SD_MM * normal(&mut stream(seed, WHOLE_STREAM - number));
+                    Whisker::new(designed, nuisances, layout.whole_mm(number) + off_mm, seed, number)
+                })
                 .collect(),
             air: numbers.map(|number| Air::new(&nuisances, seed, number)).collect(),
             course: Course::new(nuisances, seed),
@@ -379,6 +385,7 @@ fn factsheet(layout: Layout, RobotKind { place, applies_gain }: RobotKind) -> Fa
             length: Millimetre::known(layout.whole_mm(number as u64)),
             pressure: Megapascal::known(NOMINAL_MPA),
             pressure_max: Megapascal::EXAMINED_MAX,
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: (0..WHISKERS as u16).filter(is_neighbour).collect(),
         }

@@ -169,6 +169,7 @@ fn whisker_facts(number: u16, count: u16) -> WhiskerFacts {
         pressure_max_mpa,
         neighbours: neighbours.into_iter().flatten().collect(),
         place: None,
+        length_tolerance_mm: None,
         strain_max: None,
     }
 }

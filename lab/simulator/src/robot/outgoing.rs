@@ -134,6 +134,7 @@ fn whisker_facts(whisker: &WhiskerScenario) -> WhiskerFacts {
         y_mm: whisker.y_mm,
         model: WHISKER_MODEL.to_owned(),
         length_mm: whisker.length_mm,
+        length_tolerance_mm: whisker.length_tolerance_mm,
         pressure_mpa: whisker.pressure_mpa,
         pressure_max_mpa: whisker.pressure_max_mpa,
         neighbours: whisker.neighbours.clone(),

@@ -138,6 +138,7 @@ impl WhiskerScenario {
                 within(format!("{place} rubber.{name}"), factor, 0.5..=1.5)?;
             }
         }
+        within(format!("{place} length_tolerance_mm"), self.length_tolerance_mm.unwrap_or(0.0), 0.0..=20.0)?;
         within(format!("{place} strain_max"), self.strain_max.unwrap_or(FULL_SCALE_STRAIN), 1e-6..=FULL_SCALE_STRAIN)?;
         within(format!("{place} pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(format!("{place} pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)

@@ -165,6 +165,8 @@ pub struct WhiskerScenario {
     pub length_mm: f64,
     /// Nominal gauge pressure of the chamber, in MPa.
     pub pressure_mpa: f64,
+    /// Error of the length as the factsheet states it, in mm; it states none if absent.
+    pub length_tolerance_mm: Option<f64>,
     /// Highest pressure that the robot permits in the chamber, in MPa; at most 0.2.
     pub pressure_max_mpa: f64,
     /// Numbers of whiskers of the same array that can compensate for this one.
@@ -218,6 +220,7 @@ impl Default for WhiskerScenario {
             pressure_mpa: 0.1,
             pressure_max_mpa: 0.2,
             neighbours: Vec::new(),
+            length_tolerance_mm: None,
             strain_max: None,
             rubber: None,
         }

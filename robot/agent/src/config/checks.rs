@@ -151,6 +151,9 @@ impl FileWhisker {
         within(key("pressure_max_mpa"), self.pressure_max_mpa, 0.0..=0.2)?;
         within(key("pressure_mpa"), self.pressure_mpa, 0.0..=self.pressure_max_mpa)?;
         within(key("pressure_zero_mpa"), self.pressure_zero_mpa, -0.01..=0.01)?;
+        if let Some(tolerance_mm) = self.length_tolerance_mm {
+            within(key("length_tolerance_mm"), tolerance_mm, 0.0..=20.0)?;
+        }
         if let Some(strain_max) = self.strain_max {
             within(key("strain_max"), strain_max, 1e-6..=1.0)?;
         }
@@ -171,6 +174,7 @@ impl FileWhisker {
             y_mm: self.y_mm,
             model: self.model,
             length_mm: self.length_mm,
+            length_tolerance_mm: self.length_tolerance_mm,
             pressure_mpa: self.pressure_mpa,
             pressure_max_mpa: self.pressure_max_mpa,
             neighbours: self.neighbours,

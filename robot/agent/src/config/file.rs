@@ -225,6 +225,7 @@ pub(super) struct FileWhisker {
     #[serde(default = "default_whisker_model")]
     pub(super) model: String,
     pub(super) length_mm: f64,
+    pub(super) length_tolerance_mm: Option<f64>,
     pub(super) pressure_mpa: f64,
     pub(super) pressure_max_mpa: f64,
     #[serde(default)]

@@ -163,6 +163,7 @@ x_mm = 0.0
 y_mm = 0.0
 model = "m"
 length_mm = 70.0
+length_tolerance_mm = 0.3
 pressure_mpa = 0.1
 pressure_max_mpa = 0.2
 neighbours = []

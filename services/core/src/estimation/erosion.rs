@@ -5,6 +5,7 @@
 //! fit over blocks of contacts takes that into account. The interval includes the error of the model that turns
 //! sensitivities into lengths.
 
+use borsh::io::{Read, Result};
 use borsh::{BorshDeserialize, BorshSerialize};
 
 use super::LengthEstimate;
@@ -15,6 +16,13 @@ use crate::units::Millimetre;
 const SETTLING_CONTACTS: u32 = 60;
 /// Number of contacts from which on a rate is reported.
 const LEAST_CONTACTS: u32 = 240;
+/// Number of contacts from which on they tell the rate by which the length is followed. The verdict tells it before.
+const RATE_CONTACTS: u32 = 60;
+/// A filter that expects a random walk of q mm per contact lags behind a loss of v mm per contact by v r / q, with a standard
+/// deviation of sqrt(q r), where one contact tells the length to r mm. This makes the lag a third of that.
+const LAG_SHARE: f64 = 1.0 / 3.0;
+/// Largest random walk, mm per square root of a contact.
+const WANDER_MAX_MM: f64 = 0.3;
 /// Largest block, in contacts. At least eight blocks count, so a changed rate shows after that.
 const CONTACTS_A_BLOCK_MAX: u32 = 128;
 /// Erosion is over if the loss per contact in the last contacts is certainly less than this share of that before ...
@@ -40,6 +48,8 @@ pub struct ErosionWatch {
     wander_mm: f64,
     contacts: u32,
     lengths: Trend,
+    /// Loss per contact by the verdict, mm.
+    told_mm: f32,
 }
 
 /// Estimated erosion of a whisker.
@@ -63,20 +73,45 @@ pub struct ContactsLeft {
 }
 
 impl ErosionWatch {
-    /// Starts at the verdict. `shortest` is the least length that can still compensate for itself
-    /// ([`crate::mechanics::compensable_range`] with the `whole` whisker as the target), `wander_mm` the random
+    /// Starts at the verdict of a loss of `told_mm` per contact. `shortest` is the least length that can still compensate
+    /// for itself ([`crate::mechanics::compensable_range`] with the `whole` whisker as the target), `wander_mm` the random
     /// walk that the filter allows while the whisker erodes, in mm per square root of a contact.
     #[must_use]
-    pub fn new(whole: Millimetre, shortest: Millimetre, wander_mm: f64) -> Self {
-        Self { whole, shortest, wander_mm, contacts: 0, lengths: Trend::new(CONTACTS_A_BLOCK_MAX) }
+    pub fn new(whole: Millimetre, shortest: Millimetre, wander_mm: f64, told_mm: f64) -> Self {
+        let (lengths, told_mm) = (Trend::new(CONTACTS_A_BLOCK_MAX), told_mm as f32);
+        Self { whole, shortest, wander_mm, contacts: 0, lengths, told_mm }
     }
 
-    /// Adds the length estimate after one contact.
-    pub fn follow(&mut self, length: &LengthEstimate) {
+    /// Reads it as it was stored before version 18 of the whisker, without the rate by the verdict.
+    ///
+    /// # Errors
+    /// The bytes end, or are invalid.
+    pub fn read_before_18<R: Read>(reader: &mut R) -> Result<Self> {
+        let (whole, shortest, wander_mm, contacts, lengths) = BorshDeserialize::deserialize_reader(reader)?;
+        Ok(Self { whole, shortest, wander_mm, contacts, lengths, told_mm: 0.0 })
+    }
+
+    /// Random walk of the length that the filter shall expect, mm per square root of a contact.
+    #[must_use]
+    pub fn wander_mm(&self) -> f64 {
+        self.wander_mm
+    }
+
+    /// Loss per contact, mm, as far as it is known.
+    fn rate_mm(&self) -> f64 {
+        let by_contacts = self.lengths.slope().filter(|_| self.lengths.readings() >= RATE_CONTACTS);
+        by_contacts.map_or(self.told_mm.into(), |slope| -slope.per_x)
+    }
+
+    /// Adds the length estimate after one contact, which tells a length with the standard deviation `contact_sd_mm`. The
+    /// faster the whisker wears, the faster its length is followed, but at least with `least_mm`.
+    pub fn follow(&mut self, length: &LengthEstimate, contact_sd_mm: f64, least_mm: f64) {
         self.contacts = self.contacts.saturating_add(1);
         if self.contacts > SETTLING_CONTACTS {
             self.lengths.add(f64::from(self.contacts), length.length.mm());
         }
+        let fast = (self.rate_mm().max(0.0) * contact_sd_mm.sqrt() / LAG_SHARE).cbrt().powi(2);
+        self.wander_mm = fast.min(WANDER_MAX_MM).max(least_mm);
     }
 
     /// Rate and contacts left, or `None` while there are too few contacts. `length` is the present estimate.

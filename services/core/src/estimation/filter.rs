@@ -70,6 +70,8 @@ const OFFSET_SHARE: f64 = 0.33;
 const LEAST_SHARE: f64 = 0.5;
 /// Least share of the expected strain that must come from deflection.
 const LEAST_BY_DEFLECTION: f64 = 0.2;
+/// 1.96: half the width of a 95 % interval, in standard deviations.
+const Z95: f64 = 1.959_963_985;
 /// Bounds of the state and of its variances: e^20 is 5e8.
 const STATE_MAX: f32 = 20.0;
 const STATE_VARIANCE_MAX: f64 = 1e6;
@@ -136,6 +138,9 @@ pub struct LengthFilter {
     /// Least standard deviation of the length, mm; 0 for none. Stored as a part of the whisker.
     #[borsh(skip)]
     least_sd_mm: f32,
+    /// Standard deviation of the whole length beyond that of the prior, mm. Follows from the factsheet.
+    #[borsh(skip)]
+    whole_sd_mm: f32,
 }
 
 fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Error> {
@@ -197,14 +202,14 @@ impl LengthFilter {
             params.bend_per_mm,
         ];
         let covariance = Symmetric::diagonal(prior.map(|sd| sd.powi(2)));
-        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, least_sd_mm: 0.0 }
+        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, least_sd_mm: 0.0, whole_sd_mm: 0.0 }
     }
 
     /// Keeps the length, the slope for which it is corrected, and their uncertainty. Forgets level of the offset and baseline.
     #[must_use]
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
-        anew.least_sd_mm = self.least_sd_mm;
+        (anew.least_sd_mm, anew.whole_sd_mm) = (self.least_sd_mm, self.whole_sd_mm);
         for kept in [SLOPE, LENGTH] {
             anew.mean[kept] = self.mean[kept];
             anew.covariance.widen(kept, self.covariance.variance(kept) - anew.covariance.variance(kept));
@@ -212,14 +217,23 @@ impl LengthFilter {
         anew
     }
 
-    /// Present length with its standard deviation.
+    /// Present length with its standard deviation. The error of the factory length is a part of it.
     #[must_use]
     pub fn length(&self) -> LengthEstimate {
+        let relative = self.relative_length();
+        let by_whole = f64::from(self.whole_sd_mm) * relative.length.mm() / self.whole_length_mm;
+        LengthEstimate { sd_mm: relative.sd_mm.hypot(by_whole), ..relative }
+    }
+
+    /// [`Self::length`] as a share of the whole length, in mm of the factsheet. The error of the factory length is no part
+    /// of it: it moves the lengths before and after a change alike, and no contact tells it. Decisions take this one.
+    #[must_use]
+    pub fn relative_length(&self) -> LengthEstimate {
         let learned = self.learned_length();
         LengthEstimate { sd_mm: learned.sd_mm.max(self.least_sd_mm.into()), ..learned }
     }
 
-    /// [`Self::length`] without the doubt that contacts do not reduce.
+    /// [`Self::relative_length`] without the doubt that contacts do not reduce.
     #[must_use]
     pub fn learned_length(&self) -> LengthEstimate {
         let log_length = self.log_length() * self.per_log();
@@ -239,6 +253,12 @@ impl LengthFilter {
     /// Length by the model alone, mm, which goes with an offset at the contact ratio.
     fn model_length(&self) -> Millimetre {
         Millimetre::known((self.whole_length_mm * self.log_length().exp()).clamp(1.0, 1000.0))
+    }
+
+    /// The factsheet states the whole length within this, mm, with 95 % probability. The prior of the length is a part of it.
+    pub fn keep_tolerance(&mut self, tolerance_mm: f64, params: &FilterParams) {
+        let variance = (tolerance_mm / Z95).powi(2) - params.length_mm.powi(2);
+        self.whole_sd_mm = if variance > 0.0 { variance.sqrt() as f32 } else { 0.0 };
     }
 
     /// Least standard deviation of the length, mm; 0 for none. Contacts do not reduce it.

@@ -166,6 +166,8 @@ pub struct WhiskerSheet {
     pub model: String,
     /// Length of the whole whisker.
     pub length: Millimetre,
+    /// Error of the length, mm: it is within this with 95 % probability.
+    pub length_tolerance_mm: f64,
     /// Pressure at which the whole whisker is used.
     pub pressure: Megapascal,
     /// Highest pressure that the robot allows.

@@ -35,7 +35,7 @@ pub use effect::Effect;
 pub use event::Event;
 pub use locate::{LocateError, Located, ResponsePoint, Touch};
 pub use params::Params;
-pub use state::factsheet::Sheet;
+pub use state::factsheet::{LENGTH_TOLERANCE_MM, Sheet};
 pub use state::head::Array;
 pub use state::sequence::{Admission, Sequence, Sequences};
 pub use state::whisker::Whisker;

@@ -27,13 +27,18 @@ impl Robot {
             kind: array.kind,
             sheet: &whisker.sheet,
             length: whisker.filter.length(),
+            relative_length: whisker.filter.relative_length(),
             offset: whisker.filter.offset(),
             noise_scale: whisker.noise.variance().sqrt(),
             contacts: whisker.contacts,
             condition: whisker.condition,
             fault: whisker.fault,
             leak_per_s: whisker.leak.rate_per_s(),
-            erosion: whisker.rare.erosion.as_ref().and_then(|erosion| erosion.erosion(&whisker.filter.length())),
+            erosion: whisker
+                .rare
+                .erosion
+                .as_ref()
+                .and_then(|erosion| erosion.erosion(&whisker.filter.relative_length())),
             pressure: whisker.air.measured(),
             setpoint: whisker.air.setpoint,
             heard: whisker.heard,
@@ -137,6 +142,8 @@ pub struct WhiskerView<'a> {
     pub sheet: &'a Sheet,
     /// Present length estimate.
     pub length: LengthEstimate,
+    /// The same without the error of the factory length, for a loss of length.
+    pub relative_length: LengthEstimate,
     /// Present offset from the model, log sensitivity.
     pub offset: Offset,
     /// Noise of its contacts over the stated noise, as a ratio of standard deviations.

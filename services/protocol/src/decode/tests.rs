@@ -134,6 +134,10 @@ fn numbers_out_of_range_are_refused_with_the_place() {
         let refused = refused_after("factsheet", FACTSHEET_GAIN, "0.02", strain_max);
         assert_out_of_range(&refused, "arrays[0].whiskers[0].strain_max");
     }
+    for tolerance_mm in ["-0.1", "20.5"] {
+        let refused = refused_after("factsheet", FACTSHEET_GAIN, "0.3", tolerance_mm);
+        assert_out_of_range(&refused, "arrays[0].whiskers[0].length_tolerance_mm");
+    }
     assert_out_of_range(&refused_after("status", STATUS, "0.1002", "7"), "whiskers[0].pressure_mpa");
     assert_out_of_range(&refused_after("receipt", RECEIPT, "[1811,1813]", "[5,4]"), "held[0]");
     assert_out_of_range(&refused_after("setpoint", SETPOINT, "0.02", "0"), "slew_mpa_per_s");

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::Checked;
-use crate::check::{LENGTH_MM, PLACE_MM, PRESSURE_MPA, STRAIN_MAX};
+use crate::check::{LENGTH_MM, LENGTH_TOLERANCE_MM, PLACE_MM, PRESSURE_MPA, STRAIN_MAX};
 use crate::name::short_text;
 use crate::{
     ARRAYS_MAX, AirControl, ArrayType, BootId, Name, OnSupervisorLoss, PlaceKind, Refusal, SOFTWARE_MAX, SoftwareKind,
@@ -102,6 +102,10 @@ pub struct WhiskerFacts {
     /// Length without the chamber's elongation, in mm.
     #[cfg_attr(feature = "documents", schemars(transform = LENGTH_MM.in_schema()))]
     pub length_mm: f64,
+    /// Half the width of the 95 % interval of `length_mm`, in mm; 0.5 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "documents", schemars(transform = LENGTH_TOLERANCE_MM.in_schema()))]
+    pub length_tolerance_mm: Option<f64>,
     /// The chamber's nominal gauge pressure in MPa; at most `pressure_max_mpa`.
     #[cfg_attr(feature = "documents", schemars(transform = PRESSURE_MPA.in_schema()))]
     pub pressure_mpa: f64,
@@ -167,6 +171,9 @@ impl WhiskerFacts {
                 value: self.pressure_mpa,
                 allowed: "at most pressure_max_mpa",
             });
+        }
+        if let Some(tolerance_mm) = self.length_tolerance_mm {
+            LENGTH_TOLERANCE_MM.check("length_tolerance_mm", tolerance_mm)?;
         }
         if let Some(strain_max) = self.strain_max {
             STRAIN_MAX.check("strain_max", strain_max)?;

@@ -160,6 +160,7 @@ impl Rig {
             length: Millimetre::known(WHOLE_MM),
             pressure: Megapascal::known(0.1),
             pressure_max: Megapascal::EXAMINED_MAX,
+            length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: Vec::new(),
         };

@@ -169,6 +169,36 @@ fn property_a_touch_test_tells_a_cut_from_the_end_of_a_loss() {
     }
 }
 
+/// A whisker of 70 mm that loses sensitivity, and regains it by a cut of 3 mm.
+fn after_loss_and_cut(seed: u64, tests: Tests) -> Rig {
+    let mut rig = Rig::with_tests(seed, 2, tests);
+    rig.run(600);
+    rig.whiskers[0].gain *= 0.92;
+    rig.run(600);
+    rig.whiskers[0].length_mm -= 3.0;
+    rig.run(400);
+    rig
+}
+
+/// The interval of a length in doubt reaches no further than undecided touches leave possible.
+#[test]
+fn property_touch_tests_that_decide_nothing_narrow_the_doubt() {
+    let (mut open, mut held, mut narrowed) = (0, 0, 0);
+    for seed in 0..40 {
+        let tested = after_loss_and_cut(3500 + seed, Tests::Does);
+        if tested.view(0).condition != Condition::Suspected {
+            continue;
+        }
+        open += 1;
+        let (length, length_mm) = (tested.view(0).length, tested.whiskers[0].length_mm);
+        held += u32::from(is_within(&length, length_mm));
+        let untested = after_loss_and_cut(3500 + seed, Tests::NotOffered).view(0).length;
+        narrowed += u32::from(length.sd_mm < 0.95 * untested.sd_mm);
+        println!("seed {seed}: {length:?}, without tests {untested:?}");
+    }
+    assert!(open > 0 && held == open && narrowed > 0, "{open} open, {held} intervals hold, {narrowed} narrower");
+}
+
 #[test]
 fn property_a_regained_sensitivity_is_no_cut() {
     for seed in 0..SEEDS {

@@ -307,6 +307,7 @@ pub(super) fn factsheet(layout: usize) -> Factsheet {
         length: Millimetre::known(if layout == 2 { 69.0 } else { [70.0, 68.0, 66.0, 70.0][usize::from(number)] }),
         pressure: Megapascal::known(0.1),
         pressure_max: Megapascal::EXAMINED_MAX,
+        length_tolerance_mm: if layout == OF_OTHER_KINDS { 2.0 } else { 0.5 },
         strain_max: (layout == OF_OTHER_KINDS).then_some(0.02),
         neighbours: (0..whiskers)
             .filter(|other| other.abs_diff(number) == 1 || (layout == 1 && other.abs_diff(number) == 3))

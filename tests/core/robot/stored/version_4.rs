@@ -28,7 +28,8 @@ fn text_of(robot: &Robot) -> String {
         text += &view
             .replace("    touch_test: None,\n", "")
             .replace("    zero: None,\n", "")
-            .replace("        strain_max: None,\n", "");
+            .replace("        strain_max: None,\n", "")
+            .replace("        length_tolerance_mm: 0.5,\n", "");
     });
     text
 }
@@ -38,7 +39,10 @@ fn without_lengths(text: &str) -> String {
     let mut kept = String::new();
     let mut is_left_out = false;
     for line in text.lines() {
-        is_left_out |= matches!(line, "    length: LengthEstimate {" | "    offset: Offset {");
+        is_left_out |= matches!(
+            line,
+            "    length: LengthEstimate {" | "    relative_length: LengthEstimate {" | "    offset: Offset {"
+        );
         if !is_left_out {
             kept += line;
             kept += "\n";

@@ -5,18 +5,20 @@ use borsh::{BorshDeserialize, BorshSerialize};
 
 use crate::detection::{Detector, Stored};
 use crate::encoding;
-use crate::estimation::filter::{STATES, STATES_BEFORE_7};
-use crate::estimation::{GainWalks, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures};
+use crate::estimation::filter::{FilterParams, STATES, STATES_BEFORE_7};
+use crate::estimation::{
+    ErosionWatch, GainWalks, LeakWatch, LengthFilter, NoiseScale, RatioSpread, ResponseBins, Temperatures,
+};
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
-use crate::robot::state::factsheet::{Sheet, read_numbers, write_numbers};
+use crate::robot::state::factsheet::{LENGTH_TOLERANCE_MM, Sheet, read_numbers, write_numbers};
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
 use crate::robot::touch_tests::DistanceZero;
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 17;
+const VERSION: u32 = 18;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -43,8 +45,9 @@ pub(super) const PARTS: [&str; 16] = [
     "gauge_range",
     "changed_at",
 ];
-/// Names of further such parts, in stored order. Not before version 16, the last one not before 17.
-pub(super) const LATER_PARTS: [&str; 3] = ["zero", "first", "doubt"];
+/// Names of further such parts, in stored order. Not before version 16, `doubt` not before 17, and
+/// `tolerance` not before 18.
+pub(super) const LATER_PARTS: [&str; 4] = ["zero", "first", "doubt", "tolerance"];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
 /// Added to the version; the flags of an older whisker are less than this.
@@ -100,7 +103,12 @@ impl Whisker {
 
     /// Presence of the further parts, in stored order.
     pub(super) fn has_later_parts(&self) -> [bool; LATER_PARTS.len()] {
-        [self.rare.zero != DistanceZero::UNKNOWN, self.rare.first.is_some(), self.filter.least_sd_mm() > 0.0]
+        [
+            self.rare.zero != DistanceZero::UNKNOWN,
+            self.rare.first.is_some(),
+            self.filter.least_sd_mm() > 0.0,
+            self.sheet.length_tolerance_mm != LENGTH_TOLERANCE_MM,
+        ]
     }
 }
 
@@ -148,13 +156,16 @@ impl BorshSerialize for Whisker {
         if changed {
             self.rare.changed_at.serialize(writer)?;
         }
-        let [zero, _, doubt] = self.has_later_parts();
+        let [zero, _, doubt, tolerance] = self.has_later_parts();
         if zero {
             self.rare.zero.serialize(writer)?;
         }
         self.rare.first.iter().try_for_each(|one| one.serialize(writer))?;
         if doubt {
             self.filter.least_sd_mm().serialize(writer)?;
+        }
+        if tolerance {
+            encoding::write_number(self.sheet.length_tolerance_mm, writer)?;
         }
         Ok(())
     }
@@ -197,7 +208,7 @@ impl BorshDeserialize for Whisker {
             changed,
         ] = has;
         let later = if version < 16 { 0 } else { encoding::read_u32(reader)? };
-        let [zero, first, doubt] = encoding::unpack_flags(bits_of(later)?)?;
+        let [zero, first, doubt, tolerance] = encoding::unpack_flags(bits_of(later)?)?;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
@@ -243,7 +254,10 @@ impl BorshDeserialize for Whisker {
                 pending_trim: of(pending_trim, reader)?,
                 whole_offset: of(whole_offset, reader)?,
                 own: of(own, reader)?,
-                erosion: of(erosion, reader)?,
+                erosion: match erosion {
+                    true if version < 18 => Some(Box::new(ErosionWatch::read_before_18(reader)?)),
+                    is_there => of(is_there, reader)?,
+                },
                 unsteady: of(unsteady, reader)?,
                 reach: None,
                 length_test: None,
@@ -303,6 +317,11 @@ impl BorshDeserialize for Whisker {
         if doubt {
             read.filter.keep_doubt(f32::deserialize_reader(reader)?.into());
         }
+        // Not before version 18.
+        if tolerance {
+            read.sheet.length_tolerance_mm = encoding::read_number(reader)?;
+        }
+        read.keep_tolerance(&FilterParams::default());
         Ok(read)
     }
 }
@@ -397,6 +416,6 @@ mod tests {
     /// A million whiskers with the rest of their robots must fit into 2.5 GiB of memory.
     #[test]
     fn a_whisker_takes_no_more_room_than_was_meant() {
-        assert!(size_of::<Whisker>() <= 2240, "{}", size_of::<Whisker>());
+        assert!(size_of::<Whisker>() <= 2256, "{}", size_of::<Whisker>());
     }
 }

@@ -139,7 +139,7 @@ impl Robot {
         let setpoint = proposal.and_then(|proposal| proposal.setpoint);
         let lost = (Some(asked.compensator) != chosen).then_some(Refused::CostsMore);
         let target_length = self.whiskers[asked.target].sheet.length;
-        let estimate = one.filter.length();
+        let estimate = one.filter.relative_length();
         let unasked_case = if is_self {
             Case::SelfCompensation
         } else if estimate.length <= target_length {

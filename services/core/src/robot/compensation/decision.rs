@@ -197,7 +197,7 @@ impl Robot {
             },
             after: ResponseBins::default(),
             settled: false,
-            length_sd_mm: one.filter.length().sd_mm,
+            length_sd_mm: one.filter.relative_length().sd_mm,
             refining: if keeps_pressure { Refining::of_gain(gain, carried) } else { Refining::new(gain, carried) },
             proposed: params.policy.mode == Mode::Advise,
         };

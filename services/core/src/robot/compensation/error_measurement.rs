@@ -176,7 +176,7 @@ impl Robot {
     #[must_use]
     pub fn error(&self, params: &Params, running: &Compensation) -> Option<CompensationError> {
         let length_variance = {
-            let estimate = self.whiskers[running.compensator()].filter.length();
+            let estimate = self.whiskers[running.compensator()].filter.relative_length();
             (estimate.sd_mm.max(running.length_sd_mm) / estimate.length.mm()).powi(2)
         };
         let bins: Vec<ErrorBin> = CONTACT_RATIOS

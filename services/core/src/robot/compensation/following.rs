@@ -20,7 +20,7 @@ impl Robot {
         if whisker.condition != Condition::Eroding || whisker.rare.pending_trim.is_some() {
             return;
         }
-        let length = whisker.filter.length();
+        let length = whisker.filter.relative_length();
         let step_mm = params.refinement.erosion_step_mm;
         let is_worn = whisker.sheet.length.mm() - length.length.mm() >= step_mm;
         let contact_sd_mm = whisker.contact_sd_mm(params);
@@ -69,7 +69,7 @@ impl Robot {
         if whisker.command.is_some() || self.holds(index) {
             return;
         }
-        let length = whisker.filter.length();
+        let length = whisker.filter.relative_length();
         let belief = whisker.belief(model);
         let objective = params.policy.objective_for(self.head.applies_gain);
         let running = &self.head.compensations[at];
@@ -101,7 +101,7 @@ impl Robot {
 
 impl Whisker {
     /// Standard deviation of the length that one contact tells, mm.
-    fn contact_sd_mm(&self, params: &Params) -> f64 {
+    pub(in crate::robot) fn contact_sd_mm(&self, params: &Params) -> f64 {
         let slope = self.model(params).map_or(0.0, |model| self.log_slope_with_length(model).abs());
         let log_sd = self.contact_log_sd(params);
         if slope > 0.0 { log_sd / slope * self.filter.length().length.mm() } else { f64::INFINITY }

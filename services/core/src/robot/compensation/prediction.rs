@@ -64,7 +64,7 @@ impl Robot {
             responses.moves(&whole.causes(), &[TARGET]);
         }
         responses.moves(&belief.causes(&from, &to), &[AFTER]);
-        let sd_mm = one.filter.length().sd_mm;
+        let sd_mm = one.filter.relative_length().sd_mm;
         responses.moves(&[by_length(model, fitness.length, fitness.pressure, sd_mm)], &[AFTER, BEFORE]);
         if one.noise.is_lasting(&params.noise) {
             responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER, BEFORE]);

@@ -205,7 +205,7 @@ impl Robot {
         let running = &self.head.compensations[at];
         let one = &mut self.whiskers[running.compensator()];
         // An estimate goes on after the decision, but the visit is measured against the length at it.
-        let length_sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
+        let length_sd_mm = one.filter.relative_length().sd_mm.max(running.length_sd_mm);
         one.rare.get_or_insert().own.get_or_insert_default().remember(Visit {
             compensation: running.id,
             pressure: running.pressure,

@@ -159,7 +159,7 @@ impl Robot {
         };
         let mut responses = Uncertain { mean: [after_mean, before_mean, target_mean], causes: Vec::new() };
         self.level(params, running, &held, after, from, &mut responses);
-        let sd_mm = one.filter.length().sd_mm.max(running.length_sd_mm);
+        let sd_mm = one.filter.relative_length().sd_mm.max(running.length_sd_mm);
         let by_length = |pressure| by_length(model, running.length, pressure, sd_mm);
         // Its ratios are distances over the estimated length.
         let is_by_length = self.states_no_ratio(running.compensator());
@@ -310,7 +310,7 @@ impl Whisker {
     pub(in crate::robot) fn carried(&self, params: &Params, setpoint: &Setpoint) -> Carried {
         let Some(model) = self.model(params) else { return Carried::default() };
         let belief = self.belief(model);
-        let length = self.filter.length();
+        let length = self.filter.relative_length();
         self.change(model, &belief, length.length, (self.sheet.pressure, setpoint.pressure), |from, to| {
             let mut causes = belief.causes(from, to).to_vec();
             causes.push(by_length(model, length.length, setpoint.pressure, length.sd_mm));

@@ -84,6 +84,9 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
                 self.look_first(params, index, effects);
             }
+            Verdict::Quiet if whisker.is_due_for_last_look() => {
+                self.look_first(params, index, effects);
+            }
             Verdict::Quiet if whisker.is_decided_after_doubt() && !self.awaits_confirmation(index) => {
                 self.end_doubt(index, effects);
             }
@@ -166,6 +169,7 @@ impl Robot {
             HypothesisKind::Eroding => {
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
+                    whisker.begin_erosion(params, -change.size * whisker.filter.length().length.mm());
                     self.set_condition(index, Condition::Eroding, effects);
                 }
             }
@@ -231,7 +235,7 @@ impl Robot {
         }
         let whisker = &mut self.whiskers[index];
         let Some(pending) = whisker.rare.get_mut().and_then(|rare| rare.pending_trim.as_mut()) else { return };
-        let length: LengthEstimate = whisker.filter.length();
+        let length: LengthEstimate = whisker.filter.relative_length();
         // After a large cut the model's own error keeps this from being reached: then the full number of contacts is
         // waited for, in which the filter gets over its linearisation, too.
         let certain = length.sd_mm <= params.health.length_sd_max_mm;
@@ -268,6 +272,9 @@ impl Robot {
         if from != to {
             let whisker = &mut self.whiskers[index];
             whisker.condition = to;
+            if !matches!(to, Condition::Learning | Condition::Healthy | Condition::Suspected) {
+                whisker.rare.forget_first();
+            }
             // Only who is trimmed needs to be served.
             whisker.unserved = false;
             effects.push(Effect::Condition { whisker: index, from, to });

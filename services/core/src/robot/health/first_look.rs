@@ -15,12 +15,16 @@ use crate::robot::params::Params;
 use crate::robot::state::first_contacts::EARLY_CONTACTS;
 use crate::robot::state::whisker::Whisker;
 
+/// Contact from which on the first ones are looked at a last time: the level then has nearly all of a cut while it was learned.
+const LAST_LOOK: u64 = 300;
+/// While the detector follows a change, it may call the change itself. From this contact on the first ones are forgotten.
+const LOOKED_UNTIL: u64 = 600;
 /// First contacts that count: those before are the first loads of the rubber.
 const EARLY_FROM: u64 = 3;
 /// Rise of the log sensitivity since the first contacts that is no first load and no habit: 2 mm of 70.
 const RISE_MIN: f64 = 0.06;
-/// ... in standard deviations of the mean of the first contacts, if their errors were independent. The noise that is
-/// learned later contains a cut itself, so that it cannot serve here.
+/// ... in standard deviations of the mean of the first contacts, if their errors were independent. A late cut is in the noise
+/// that is learned, and an early one in the scatter of the first contacts. So the smaller of the two counts.
 const RISE_SD: f64 = 6.0;
 /// Other whiskers that an offset is compared with, at least.
 const PEERS_MIN: usize = 3;
@@ -47,6 +51,21 @@ impl Whisker {
         self.rare.get_or_insert().first.get_or_insert_default().add(seen.ratio, deviation);
     }
 
+    /// Whether its first contacts are still to be compared with what was learned since.
+    pub(super) fn is_due_for_last_look(&self) -> bool {
+        self.condition == Condition::Healthy && self.contacts >= LAST_LOOK && self.rare.first.is_some()
+    }
+
+    /// Excess of log sensitivity over its own first contacts. `None` if it is as it should be.
+    fn rises_by(&self, params: &Params) -> Option<f64> {
+        let (rise, scatter) = self.rare.first?.rise_to(self.filter.whole_offset())?;
+        let noise = self.contact_log_sd(params).powi(2);
+        let sd = (noise.min(scatter) / f64::from(EARLY_CONTACTS)).sqrt();
+        // Of a cut among them a share f of the rise is in their mean, and f (1 - f) of its square in their scatter.
+        let whole = rise + (scatter - noise).max(0.0) / rise;
+        (rise > RISE_MIN.max(RISE_SD * sd)).then_some(DILUTED * whole)
+    }
+
     /// Whether its offset tells how the whiskers of its model are.
     fn is_peer(&self) -> bool {
         matches!(self.condition, Condition::Learning | Condition::Healthy)
@@ -57,15 +76,11 @@ impl Whisker {
 }
 
 impl Robot {
-    /// Excess of log sensitivity by which a whisker that is learned now differs from its own first contacts, or from
-    /// the other whiskers. `None` if it is as it should be.
-    fn differs_by(&self, index: WhiskerIndex) -> Option<f64> {
+    /// Excess of log sensitivity by which a whisker that is learned now differs from the other whiskers. `None` if it is
+    /// as it should be.
+    fn is_apart_by(&self, index: WhiskerIndex) -> Option<f64> {
         let whisker = &self.whiskers[index];
         let offset = whisker.filter.whole_offset();
-        let rise = whisker.rare.first.and_then(|first| first.rise_to(offset));
-        if let Some((rise, _)) = rise.filter(|(rise, sd)| *rise > RISE_MIN.max(RISE_SD * sd)) {
-            return Some(DILUTED * rise);
-        }
         let is_alike = |other: &Whisker| {
             other.sheet.model == whisker.sheet.model
                 && other.sheet.pressure == whisker.sheet.pressure
@@ -80,12 +95,20 @@ impl Robot {
         is_apart.then(|| AT_EDGE * (offset.level - levels[levels.len() / 2]))
     }
 
-    /// Puts the length of a whisker that is learned now in doubt, if it differs from what its factsheet promises.
+    /// Puts the length of a whisker that was learned in doubt, if it differs from what its factsheet promises.
     pub(super) fn look_first(&mut self, params: &Params, index: WhiskerIndex, effects: &mut Vec<Effect>) {
-        // A change that the detector follows already will be called with its length.
-        let differs = self.differs_by(index).filter(|_| self.whiskers[index].detector.has_little_doubt());
+        let whisker = &self.whiskers[index];
+        let is_last = whisker.contacts >= LAST_LOOK;
+        let is_followed = !whisker.detector.has_little_doubt() || whisker.rare.pending_trim.is_some();
+        if is_followed && whisker.contacts < LOOKED_UNTIL {
+            return;
+        }
+        let own = whisker.rises_by(params);
+        let differs = own.or_else(|| if is_last { None } else { self.is_apart_by(index) }).filter(|_| !is_followed);
         let whisker = &mut self.whiskers[index];
-        whisker.rare.forget_first();
+        if is_last || differs.is_some() {
+            whisker.rare.forget_first();
+        }
         let Some((by, model)) = differs.zip(whisker.model(params)) else { return };
         let length_mm = whisker.filter.length().length.mm();
         let loss_mm = -by / whisker.log_slope_with_length(model) * length_mm;

@@ -88,7 +88,7 @@ impl Robot {
     /// The length is certain again. If it is another one, the whisker was cut.
     pub(super) fn end_doubt(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        let (length, whole_mm) = (whisker.filter.length(), whisker.sheet.length.mm());
+        let (length, whole_mm) = (whisker.filter.relative_length(), whisker.sheet.length.mm());
         if whole_mm - length.length.mm() > LOSS_MIN_MM.max(LOSS_MIN_SD * length.sd_mm) {
             let confirmed =
                 PendingTrim { length_before_mm: whole_mm, contacts_since_change: 0, contacts_since_confirmed: 0 };
@@ -129,7 +129,7 @@ impl Whisker {
 
     /// Whether a loss of sensitivity was taken back, by its end or by a cut.
     pub(in crate::robot) fn has_doubtful_length(&self) -> bool {
-        self.was_in_doubt() && self.filter.length().sd_mm >= DOUBT_SD_MM
+        self.was_in_doubt() && self.filter.relative_length().sd_mm >= DOUBT_SD_MM
     }
 
     /// Whether a suspicion is that of [`Robot::doubt_length`]: the whisker has lost its response while whole, and no

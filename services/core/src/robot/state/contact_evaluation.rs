@@ -257,7 +257,11 @@ impl Whisker {
         let eroding = self.condition == Condition::Eroding;
         let (filter, drifting) = (&params.filter, self.drifting);
         Wander {
-            length_mm: if eroding { filter.erosion_wander_mm } else { filter.wander_mm },
+            length_mm: if eroding {
+                self.rare.erosion.as_ref().map_or(filter.erosion_wander_mm, |watch| watch.wander_mm())
+            } else {
+                filter.wander_mm
+            },
             baseline_strain: if drifting {
                 filter.drifting_baseline_wander_strain
             } else {
@@ -279,12 +283,22 @@ impl Whisker {
             }
             return;
         }
+        if self.rare.erosion.is_none() {
+            self.begin_erosion(params, 0.0);
+        }
+        let contact_sd_mm = self.contact_sd_mm(params);
+        let length = self.filter.relative_length();
+        if let Some(watch) = self.rare.get_mut().and_then(|rare| rare.erosion.as_mut()) {
+            watch.follow(&length, contact_sd_mm, params.filter.erosion_wander_mm);
+        }
+    }
+
+    /// It loses so many mm per contact by the verdict.
+    pub(in crate::robot) fn begin_erosion(&mut self, params: &Params, told_mm: f64) {
         let Some(model) = self.model(params) else { return };
         let (target, max) = (self.target(), self.sheet.pressure_max);
-        let watch = self.rare.get_or_insert().erosion.get_or_insert_with(|| {
-            let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
-            Box::new(ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm))
-        });
-        watch.follow(&self.filter.length());
+        let shortest = compensable_range(model, target, Megapascal::ZERO, max).0;
+        let watch = ErosionWatch::new(target.length, shortest, params.filter.erosion_wander_mm, told_mm);
+        self.rare.get_or_insert().erosion = Some(Box::new(watch));
     }
 }

@@ -12,6 +12,8 @@ use crate::units::{Megapascal, Millimetre};
 
 /// Longest name of a model in stored bytes; a longer one is invalid.
 const NAME_MAX: u32 = 1 << 16;
+/// Error of a length whose factsheet states no tolerance, mm.
+pub const LENGTH_TOLERANCE_MM: f64 = 0.5;
 
 /// Data of a whisker in the factsheet, see [`WhiskerSheet`].
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +30,8 @@ pub struct Sheet {
     pub model: Arc<String>,
     /// Length of the whole whisker.
     pub length: Millimetre,
+    /// Error of the length, mm: it is within this with 95 % probability. Stored as a part of the whisker.
+    pub length_tolerance_mm: f64,
     /// Pressure at which the whole whisker is used.
     pub pressure: Megapascal,
     /// Highest pressure that the robot allows.
@@ -45,6 +49,7 @@ impl From<&WhiskerSheet> for Sheet {
             y_mm: sheet.y_mm,
             model: Arc::new(sheet.model.clone()),
             length: sheet.length,
+            length_tolerance_mm: sheet.length_tolerance_mm,
             pressure: sheet.pressure,
             pressure_max: sheet.pressure_max,
             strain_max: sheet.strain_max,
@@ -60,6 +65,7 @@ impl From<&Sheet> for WhiskerSheet {
             y_mm: kept.y_mm,
             model: String::clone(&kept.model),
             length: kept.length,
+            length_tolerance_mm: kept.length_tolerance_mm,
             pressure: kept.pressure,
             pressure_max: kept.pressure_max,
             strain_max: kept.strain_max,
@@ -69,7 +75,8 @@ impl From<&Sheet> for WhiskerSheet {
 }
 
 impl Sheet {
-    /// Whether it can be the same whisker at the same place; its neighbours and the range of its gauge may differ.
+    /// Whether it can be the same whisker at the same place; its neighbours, the range of its gauge and the
+    /// tolerance of its length may differ.
     pub(in crate::robot) fn is_same_whisker(&self, sheet: &WhiskerSheet) -> bool {
         let place = (self.number, self.x_mm, self.y_mm) == (sheet.number, sheet.x_mm, sheet.y_mm);
         let pressures = (self.pressure, self.pressure_max) == (sheet.pressure, sheet.pressure_max);
@@ -81,6 +88,7 @@ impl Sheet {
         self.is_same_whisker(sheet)
             && self.neighbours[..] == sheet.neighbours[..]
             && self.strain_max == sheet.strain_max
+            && self.length_tolerance_mm == sheet.length_tolerance_mm
     }
 }
 
@@ -135,6 +143,17 @@ impl BorshDeserialize for Sheet {
         let length = Millimetre::new(length).map_err(|_| encoding::invalid("a length out of range"))?;
         let (pressure, pressure_max) = (mpa(pressure)?, mpa(pressure_max)?);
         let model = Arc::new(name);
-        Ok(Self { number, neighbours, x_mm, y_mm, model, length, pressure, pressure_max, strain_max: None })
+        Ok(Self {
+            number,
+            neighbours,
+            x_mm,
+            y_mm,
+            model,
+            length,
+            length_tolerance_mm: LENGTH_TOLERANCE_MM,
+            pressure,
+            pressure_max,
+            strain_max: None,
+        })
     }
 }

@@ -32,14 +32,13 @@ impl FirstContacts {
         self.square += deviation.powi(2) as f32;
     }
 
-    /// Rise of the log sensitivity to the level of this offset, and the standard deviation of the mean that it is
-    /// compared with.
+    /// Rise of the log sensitivity to the level of this offset, and the variance of the first contacts around their mean.
     pub(in crate::robot) fn rise_to(&self, offset: Offset) -> Option<(f64, f64)> {
         let contacts = f64::from(self.contacts);
         let mean = f64::from(self.deviation) / contacts;
         let variance = (f64::from(self.square) / contacts - mean * mean).max(0.0);
         let at =
             ContactRatio::new(f64::from(self.ratio) / contacts).ok().filter(|_| self.contacts == EARLY_CONTACTS)?;
-        Some((offset.at(at) - mean, (variance / contacts).sqrt()))
+        Some((offset.at(at) - mean, variance))
     }
 }

@@ -197,6 +197,7 @@ impl Robot {
                 }
             };
             whisker.array = at;
+            whisker.keep_tolerance(&params.filter);
             if let Some(flight) = &mut whisker.command {
                 flight.command.whisker = index;
             }

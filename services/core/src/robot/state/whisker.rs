@@ -158,7 +158,7 @@ pub(in crate::robot) struct DecisionBasis {
 
 impl Whisker {
     pub(in crate::robot) fn new(array: u16, sheet: Sheet, params: &Params) -> Self {
-        Self {
+        let mut new = Self {
             array,
             filter: LengthFilter::new(sheet.length, &params.filter),
             noise: NoiseScale::default(),
@@ -197,7 +197,14 @@ impl Whisker {
                 undecided: false,
             },
             sheet,
-        }
+        };
+        new.keep_tolerance(&params.filter);
+        new
+    }
+
+    /// The stated length has the error that its factsheet states.
+    pub(in crate::robot) fn keep_tolerance(&mut self, params: &FilterParams) {
+        self.filter.keep_tolerance(self.sheet.length_tolerance_mm, params);
     }
 
     pub(in crate::robot) fn decision_basis(&self) -> DecisionBasis {
@@ -222,6 +229,7 @@ impl Whisker {
     /// Learns everything anew.
     pub(in crate::robot) fn mend(&mut self) {
         self.filter = LengthFilter::new(self.sheet.length, &FilterParams::default());
+        self.keep_tolerance(&FilterParams::default());
         (self.noise, self.detector) = (NoiseScale::default(), Detector::default());
         (self.temperatures, self.spread) = (None, RatioSpread::default());
         self.walks = GainWalks::default();

@@ -34,6 +34,8 @@ const USABLE_SD_MM: f64 = 1.5;
 const SELECTED_SD: f64 = 2.0;
 /// Errors of a robot's distances that all contacts share, mm: the length's standard deviation is not smaller.
 const SHARED_SD_MM: f64 = 0.2;
+/// 1.96: half the width of a 95 % interval, in standard deviations.
+const Z95: f64 = 1.959_963_985;
 /// Losses below this are not called, mm: the factory length is not better known.
 const LOSS_MIN_MM: f64 = 0.4;
 /// Nor those within so many standard deviations of the length before: it was not known better.
@@ -212,6 +214,22 @@ impl Robot {
             if whisker.condition == Condition::Suspected && whisker.detector.is_calm() {
                 self.set_condition(index, Condition::Healthy, effects);
             }
+        }
+    }
+
+    /// Tests in a row have ended without a decision about a doubtful length. The interval that contacts do not narrow reaches
+    /// no further than the touches leave possible: from the length as told to that after a cut.
+    pub(super) fn narrow_doubt(&mut self, params: &Params, index: WhiskerIndex) {
+        let whisker = &mut self.whiskers[index];
+        let zero_sd_mm = whisker.zero(params).1;
+        let test = whisker.rare.length_test.as_ref().filter(|test| !test.is_only_followed());
+        let Some(test) = test.filter(|test| test.done >= params.touch_tests.in_a_row) else { return };
+        let posterior = test.evidence.posterior(zero_sd_mm);
+        let told = whisker.filter.relative_length();
+        let cut_mm = (told.length.mm() - posterior.mean_mm).abs() / Z95 + posterior.sd_mm;
+        let sd_mm = cut_mm.hypot(SHARED_SD_MM.max(zero_sd_mm));
+        if whisker.has_doubtful_length() && sd_mm < told.sd_mm && whisker.learn_measured_length(told.length, sd_mm) {
+            whisker.filter.keep_doubt(sd_mm);
         }
     }
 

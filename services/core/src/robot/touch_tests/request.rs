@@ -256,6 +256,9 @@ impl Robot {
         if !self.learn_zero(params, index) {
             self.judge_length(params, index, effects);
         }
+        if is_for_length {
+            self.narrow_doubt(params, index);
+        }
         let Some(test) = self.whiskers[index].length_test_mut() else { return };
         if !is_for_length {
             test.wanted = None;

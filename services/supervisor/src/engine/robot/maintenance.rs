@@ -72,7 +72,7 @@ fn hash_of(facts: &[WhiskerMaintenance]) -> u64 {
 
 /// The facts about a whisker that was tested last at this time; `None` if its array has no name of the contract.
 fn entry(view: &WhiskerView<'_>, tested_us: Option<i64>) -> Option<WhiskerMaintenance> {
-    let (low_mm, high_mm) = length_interval_mm(&view.length);
+    let (low_mm, high_mm) = length_interval_mm(&view.relative_length);
     // A whisker that is learned has its factory length, which nothing has shown yet.
     let is_known = view.condition != Condition::Learning || tested_us.is_some();
     let is_finite = low_mm.is_finite() && high_mm.is_finite();

@@ -41,6 +41,7 @@ fn robot(params: &Params, kind: ArrayKind, lengths_mm: &[f64], neighbours: impl 
         length: Millimetre::known(length_mm),
         pressure: Megapascal::known(0.1),
         pressure_max: Megapascal::known(0.2),
+        length_tolerance_mm: 0.5,
         strain_max: None,
         neighbours: neighbours(index),
     };
