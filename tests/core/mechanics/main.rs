@@ -7,6 +7,7 @@ mod golden;
 mod paper;
 mod properties;
 mod shape;
+mod turns;
 
 use vibrissa_core::mechanics::{Compensator, Target};
 use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
