@@ -27,7 +27,7 @@ pub(crate) fn known(epoch: u64, whiskers: u16) -> Robot {
         length: Millimetre::new(70.0).unwrap(),
         pressure: Megapascal::new(0.1).unwrap(),
         pressure_max: Megapascal::new(0.2).unwrap(),
-        length_tolerance_mm: None,
+        length_tolerance_mm: 0.5,
         strain_max: None,
         neighbours: (0..whiskers).filter(|other| number.abs_diff(*other) == 1).collect(),
     };

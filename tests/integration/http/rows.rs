@@ -89,7 +89,7 @@ fn known(epoch: u64) -> Robot {
         length: Millimetre::new(70.0).unwrap(),
         pressure: Megapascal::new(0.1).unwrap(),
         pressure_max: Megapascal::new(0.2).unwrap(),
-        length_tolerance_mm: None,
+        length_tolerance_mm: 0.5,
         strain_max: None,
         neighbours: (0..3).filter(|other| *other != number).collect(),
     };

@@ -121,7 +121,7 @@ fn factsheet() -> Factsheet {
         length: Millimetre::known(WHOLE_MM),
         pressure: Megapascal::known(PRESSURE_MPA),
         pressure_max: Megapascal::known(0.2),
-        length_tolerance_mm: None,
+        length_tolerance_mm: 0.5,
         strain_max: None,
         neighbours: [number.checked_sub(1), Some(number + 1).filter(|&right| right < WHISKERS)]
             .into_iter()
