@@ -1,9 +1,7 @@
 //! 95 % intervals of estimates.
 
 use vibrissa_core::estimation::LengthEstimate;
-
-/// 1.96: half the width of a 95 % interval, in standard deviations.
-pub const Z95: f64 = 1.959_963_985;
+pub use vibrissa_core::estimation::Z95;
 
 /// The 95 % interval of a length, in mm.
 #[must_use]

@@ -47,7 +47,7 @@ fn contacts_whose_records_are_deleted_or_damaged_before_anybody_reads_them_are_r
 }
 
 /// A supervisor of the next version has written the state of a robot, and one of the present version reads the log
-/// afterwards, whose messages of this robot it does not take. In the end the next version replays what was read.
+/// afterwards, whose messages of this robot it does not take. In the end the next version replays these records.
 #[test]
 fn regress_a_replay_takes_no_message_that_a_former_program_has_left_alone() {
     let strike = |at_ms, kind, lasts_ms, victim, measure| Strike {

@@ -8,8 +8,8 @@
 use borsh::io::{Read, Result};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::LengthEstimate;
 use super::trend::{Interval, Trend};
+use super::{LengthEstimate, Z95};
 use crate::units::Millimetre;
 
 /// Number of contacts after the verdict that are not used: their estimates have not settled yet.
@@ -37,8 +37,6 @@ const BLOCKS_BEFORE: usize = 4;
 /// Relative model error of a change of length (standard deviation), for a calibration that is off by 3 % or the
 /// other formulation.
 const MODEL_SD: f64 = 0.04;
-/// 1.96: half the width of a 95 % interval, in standard deviations.
-const Z95: f64 = 1.959_963_985;
 
 /// Length estimates of one eroding whisker since the verdict.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]

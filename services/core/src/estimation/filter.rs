@@ -27,6 +27,7 @@
 use borsh::io::{Error, Read, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
+use super::Z95;
 use super::gain_walk::Moved;
 use super::innovation::VARIANCES;
 pub use super::innovation::{Alone, Innovation, NoInformation, Observation, STATES, Wander};
@@ -70,8 +71,6 @@ const OFFSET_SHARE: f64 = 0.33;
 const LEAST_SHARE: f64 = 0.5;
 /// Least share of the expected strain that must come from deflection.
 const LEAST_BY_DEFLECTION: f64 = 0.2;
-/// 1.96: half the width of a 95 % interval, in standard deviations.
-const Z95: f64 = 1.959_963_985;
 /// Bounds of the state and of its variances: e^20 is 5e8.
 const STATE_MAX: f32 = 20.0;
 const STATE_VARIANCE_MAX: f64 = 1e6;

@@ -49,3 +49,6 @@ pub use smooth::{Carried, Smooth};
 pub use spread::RatioSpread;
 pub use temperature::{Temperatures, Warmth};
 pub use trend::{Interval, Trend};
+
+/// 1.96: half the width of a 95 % interval, in standard deviations.
+pub const Z95: f64 = 1.959_963_985;

@@ -15,7 +15,7 @@ use crate::robot::params::Params;
 use crate::robot::state::first_contacts::EARLY_CONTACTS;
 use crate::robot::state::whisker::Whisker;
 
-/// Contact from which on the first ones are looked at a last time: the level then has nearly all of a cut while it was learned.
+/// The last look at the first contacts comes at this one: by then the level has nearly all of a cut while it was learned.
 const LAST_LOOK: u64 = 300;
 /// While the detector follows a change, it may call the change itself. From this contact on the first ones are forgotten.
 const LOOKED_UNTIL: u64 = 600;
@@ -51,7 +51,7 @@ impl Whisker {
         self.rare.get_or_insert().first.get_or_insert_default().add(seen.ratio, deviation);
     }
 
-    /// Whether its first contacts are still to be compared with what was learned since.
+    /// Whether its first contacts still have to be compared with the level that was learned.
     pub(super) fn is_due_for_last_look(&self) -> bool {
         self.condition == Condition::Healthy && self.contacts >= LAST_LOOK && self.rare.first.is_some()
     }

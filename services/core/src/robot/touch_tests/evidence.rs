@@ -1,6 +1,6 @@
 //! Contacts as evidence of a whisker's length.
 
-use crate::estimation::Reach;
+use crate::estimation::{Reach, Z95};
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, TestReason, TestState, WhiskerIndex};
 use crate::robot::event::{Contact, ContactPlace, MissedTouch};
@@ -34,8 +34,6 @@ const USABLE_SD_MM: f64 = 1.5;
 const SELECTED_SD: f64 = 2.0;
 /// Errors of a robot's distances that all contacts share, mm: the length's standard deviation is not smaller.
 const SHARED_SD_MM: f64 = 0.2;
-/// 1.96: half the width of a 95 % interval, in standard deviations.
-const Z95: f64 = 1.959_963_985;
 /// Losses below this are not called, mm: the factory length is not better known.
 const LOSS_MIN_MM: f64 = 0.4;
 /// Nor those within so many standard deviations of the length before: it was not known better.

@@ -1,5 +1,5 @@
-//! What is written, from the effects of a step to committed rows. [`super::pipeline`] decides when, and reads it back after a
-//! restart.
+//! The path from the effects of a step to committed rows. [`super::pipeline`] decides when they are written, and reads them
+//! back after a restart.
 //!
 //! - [`batch`]: the effects of a worker's steps since the last transaction was sealed.
 //! - [`journal`]: an input log. A step without a decision writes its *event* here, and the robot's checkpoint may wait.

@@ -69,8 +69,8 @@ pub(crate) struct Worker {
     /// The same for facts for the maintenance.
     maintenance_resumes_at: usize,
     allow_list: AllowList,
-    /// Robots whose state a newer version of the program has written, with their numbers. It is kept for that version, so
-    /// nothing of them is taken.
+    /// Robots whose state a newer version of the program has written, with their numbers. That version
+    /// needs it, so none of their messages is taken.
     of_newer_program: BTreeMap<Name, i64>,
     /// Numbers of robots that were decommissioned in this epoch, should they come back.
     former: BTreeMap<Name, Former>,
