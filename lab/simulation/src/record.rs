@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 use vibrissa_edge::invariants::is_pressure_in_range;
-use vibrissa_protocol::{Message, Topic, decode};
+use vibrissa_protocol::{Message, Name, Topic, decode};
 use vibrissa_simulator::JournalEntry;
 use vibrissa_store::batch::{ContactRow, Record as Row, SetpointRow};
 
@@ -72,6 +72,8 @@ pub struct Record {
     pub cut: BTreeSet<WhiskerName>,
     /// Since when each robot talks without a pause, and its newest message.
     talking: BTreeMap<String, (Instant, Instant)>,
+    /// Times at which the last two commits of each fleet were seen, the newest one last.
+    commits: BTreeMap<Name, [Option<Instant>; 2]>,
     violations: Vec<Violation>,
     /// Surplus and wrong rows at the last look.
     seen: (u64, u64),
@@ -127,8 +129,16 @@ impl Record {
                 }
             }
         }
-        for fact in store.take_facts() {
-            self.fact(&fact, store);
+        let facts = store.take_facts();
+        for fact in &facts {
+            self.fact(fact, store);
+        }
+        let now = Instant::now();
+        for fact in facts {
+            let commits = self.commits.entry(fact.fleet).or_default();
+            if commits[1] != Some(now) {
+                *commits = [commits[1], Some(now)];
+            }
         }
         let (duplicate, wrong) = self.committed.ledger.surplus();
         let before = std::mem::replace(&mut self.seen, (duplicate, wrong));
@@ -160,11 +170,11 @@ impl Record {
                 let whisker = name(store, row.whisker_id);
                 // Loss of sensitivity and cut are told apart in the end only.
                 let is_cut = whisker.as_ref().is_some_and(|whisker| self.cut.contains(whisker));
-                self.alarm(row.kind, whisker.map(|whisker| whisker.0), is_cut);
+                self.alarm(&fact.fleet, row.kind, whisker.map(|whisker| whisker.0), is_cut);
             }
             FactRow::Record(Row::RobotAlarm(row)) => {
                 let robot = store.name_of_robot(row.robot_id).map(ToOwned::to_owned);
-                self.alarm(row.kind, robot, false);
+                self.alarm(&fact.fleet, row.kind, robot, false);
             }
             FactRow::Record(_)
             | FactRow::Event(_)
@@ -177,12 +187,17 @@ impl Record {
     }
 
     /// An alarm about a robot, or about one of its whiskers.
-    fn alarm(&mut self, kind: &str, robot: Option<String>, is_cut: bool) {
+    ///
+    /// It may be committed long after it was raised, if the store is away. While one transaction is written, the next one
+    /// is filled: so the alarm was raised after the last commit but one.
+    fn alarm(&mut self, fleet: &Name, kind: &str, robot: Option<String>, is_cut: bool) {
         let Some(robot) = robot.filter(|robot| is_honest(robot)) else { return };
         *self.committed.alarms.entry(kind.to_owned()).or_default() += 1;
         let now = Instant::now();
-        let is_talking = self.talking.get(&robot).is_some_and(|(since, last)| {
-            now.duration_since(*last) < TALKS_WITHIN && last.duration_since(*since) > SILENT_AFTER + TALKS_WITHIN
+        let raised_from = self.commits.get(fleet).and_then(|commits| commits[0]);
+        let is_talking = self.talking.get(&robot).zip(raised_from).is_some_and(|((since, last), raised_from)| {
+            now.duration_since(*last) < TALKS_WITHIN
+                && raised_from.saturating_duration_since(*since) > SILENT_AFTER + TALKS_WITHIN
         });
         if matches!(kind, "STALE" | "ROBOT_SILENT") && is_talking {
             self.violated(Invariant::FaultIsTrue, format!("{kind} of {robot}, which talks all the time"));

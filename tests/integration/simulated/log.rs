@@ -4,8 +4,10 @@ use std::thread;
 use std::time::Duration;
 
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
-use vibrissa_simulation::plan::{Kind, Plan, Sizes, Strike};
+use vibrissa_simulation::plan::{Kind, Plan, Sizes};
 use vibrissa_simulation::world::run;
+
+use crate::strike;
 
 /// Seeds that take some fifteen seconds of one core in all.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=16;
@@ -26,18 +28,11 @@ fn property_histories_with_contacts_from_the_log_keep_all_invariants() {
 #[test]
 fn contacts_whose_records_are_deleted_or_damaged_before_anybody_reads_them_are_recorded_all_the_same() {
     let sizes = Sizes { supervisors: 1, robots: 6, length: Duration::from_secs(60), are_fixed: true };
-    let strike = |at, lasts, kind, victim| Strike {
-        at: Duration::from_secs(at),
-        lasts: Duration::from_secs(lasts),
-        kind,
-        victim,
-        measure: 0,
-    };
     // While nobody can read, the records of each partition are deleted, and later damaged.
-    let mut strikes = vec![strike(20, 8, Kind::LogFrozen, 0), strike(40, 8, Kind::ToLogCut, 0)];
+    let mut strikes = vec![strike(20_000, Kind::LogFrozen, 8_000, 0, 0), strike(40_000, Kind::ToLogCut, 8_000, 0, 0)];
     for partition in 0..3 {
-        strikes.push(strike(26, 0, Kind::RecordsDeleted, partition));
-        strikes.push(strike(46, 0, Kind::RecordDamaged, partition));
+        strikes.push(strike(26_000, Kind::RecordsDeleted, 0, partition, 0));
+        strikes.push(strike(46_000, Kind::RecordDamaged, 0, partition, 0));
     }
     strikes.sort_by_key(|strike| strike.at);
     for seed in 1..=5 {
@@ -50,13 +45,6 @@ fn contacts_whose_records_are_deleted_or_damaged_before_anybody_reads_them_are_r
 /// afterwards, whose messages of this robot it does not take. In the end the next version replays these records.
 #[test]
 fn regress_a_replay_takes_no_message_that_a_former_program_has_left_alone() {
-    let strike = |at_ms, kind, lasts_ms, victim, measure| Strike {
-        at: Duration::from_millis(at_ms),
-        kind,
-        lasts: Duration::from_millis(lasts_ms),
-        victim,
-        measure,
-    };
     // The smallest history of a seed in which robots got receipts of contacts that nobody had recorded.
     let strikes = vec![
         strike(26_618, Kind::BrokerRestarted, 3_366, 77, 10_367_151_037_783_124_010),
