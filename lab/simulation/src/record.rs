@@ -207,11 +207,11 @@ impl Record {
         }
     }
 
-    /// Notes that the broker has accepted a message of a robot. A birth and a last will interrupt its talk.
-    pub fn talked(&mut self, robot: &str, topic: &str) {
+    /// Notes that the broker has accepted a message of a robot. A last will or a farewell interrupts its talk.
+    pub fn talked(&mut self, robot: &str, is_end: bool) {
         let now = Instant::now();
         let (since, last) = self.talking.entry(robot.to_owned()).or_insert((now, now));
-        if now.duration_since(*last) > TALKS_WITHIN || topic.ends_with("/connection") {
+        if now.duration_since(*last) > TALKS_WITHIN || is_end {
             *since = now;
         }
         *last = now;

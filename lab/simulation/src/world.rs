@@ -9,6 +9,7 @@ use std::time::Duration;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use tokio::time::{Instant, sleep, sleep_until};
+use vibrissa_protocol::{ConnectionState, Message, Topic, decode};
 use vibrissa_simulator::{Robot, RobotConfig};
 
 use crate::broker::{Limits, ModelBroker, Observed};
@@ -147,7 +148,7 @@ impl World {
             members.push(member);
         }
         let heard = observations.clone();
-        let talked = move |robot: &str, topic: &str| locked(&heard).record.talked(robot, topic);
+        let talked = move |robot: &str| locked(&heard).record.talked(robot, false);
         let bridge = Bridge::start(&log, plan.seed, talked);
         let world = Self {
             begun,
@@ -198,7 +199,7 @@ impl World {
                 }
                 heard.push_back((observed.topic.to_owned(), observed.payload.to_vec()));
                 if let Some((_, robot)) = observed.from.rsplit_once('-').filter(|_| !is_bridged) {
-                    record.talked(robot, observed.topic);
+                    record.talked(robot, is_end(observed));
                 }
             }
         };
@@ -337,6 +338,12 @@ impl World {
     fn observations(&self) -> MutexGuard<'_, Observations> {
         locked(&self.observations)
     }
+}
+
+/// Whether a message says that its robot is not connected: a last will, or a farewell.
+fn is_end(observed: &Observed<'_>) -> bool {
+    let Ok(topic) = Topic::parse(observed.topic) else { return false };
+    matches!(decode(&topic, observed.payload), Ok(Message::Connection(connection)) if connection.state != ConnectionState::Online)
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

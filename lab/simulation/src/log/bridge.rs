@@ -28,7 +28,6 @@ struct Message {
     /// When it is written.
     due: Instant,
     robot: String,
-    topic: String,
     entry: Entry,
 }
 
@@ -57,9 +56,9 @@ impl fmt::Debug for Bridge {
 }
 
 impl Bridge {
-    /// Starts it. `written` learns robot and topic of each message when the log has it.
+    /// Starts it. `written` learns the robot of each message when the log has it.
     #[must_use]
-    pub fn start(log: &ModelLog, seed: u64, written: impl Fn(&str, &str) + Send + Sync + 'static) -> Self {
+    pub fn start(log: &ModelLog, seed: u64, written: impl Fn(&str) + Send + Sync + 'static) -> Self {
         let random = ChaCha8Rng::seed_from_u64(seed ^ 0x0062_7269_6467);
         let waiting = [const { VecDeque::new() }; PARTITIONS];
         let state = State { waiting, delay: Duration::ZERO, repetition: 0.0, random };
@@ -108,7 +107,6 @@ impl Bridge {
             let message = Message {
                 due: earlier.max(Instant::now() + state.delay),
                 robot: robot.to_string(),
-                topic: topic.to_owned(),
                 entry: Entry {
                     key: Some(format!("{fleet}/{robot}").into_bytes()),
                     value: Some(payload.to_vec()),
@@ -122,7 +120,7 @@ impl Bridge {
     }
 
     /// Writes the messages that are due. Returns the time at which the next one is due.
-    fn write(&self, log: &ModelLog, written: &impl Fn(&str, &str)) -> Option<Instant> {
+    fn write(&self, log: &ModelLog, written: &impl Fn(&str)) -> Option<Instant> {
         let now = Instant::now();
         let mut next = None;
         for partition in 0..PARTITIONS {
@@ -137,7 +135,7 @@ impl Bridge {
                 }
                 let entries: Vec<Entry> = due.iter().map(|message| message.entry.clone()).collect();
                 log.append(TOPIC, partition, &entries);
-                due.iter().for_each(|message| written(&message.robot, &message.topic));
+                due.iter().for_each(|message| written(&message.robot));
             }
             let first = self.with(|state| state.waiting[partition].front().map(|message| message.due));
             next = [next, first].into_iter().flatten().min();
