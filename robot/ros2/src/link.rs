@@ -1,4 +1,4 @@
-//! The ways to the agent: standard input and output, or a socket at which it listens.
+//! The connection to the agent: standard input and output, or a socket on which the agent listens.
 
 use std::fmt;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -16,7 +16,7 @@ use serde_json::json;
 use crate::bridge::Input;
 use crate::words::{LINE_MAX, ToAgent};
 
-/// Time limit of a connection, and of writing a line.
+/// Time limit for connecting over TCP, and for writing a line to a socket.
 const TIMEOUT: Duration = Duration::from_secs(3);
 /// Pause before the next attempt to reach the agent.
 const PAUSE: Duration = Duration::from_millis(500);
@@ -81,8 +81,8 @@ fn connect(address: &AgentAddress) -> io::Result<(Reader, Writer)> {
     }
 }
 
-/// Reads lines until the agent closes the way; returns whether there were any. A line that is too long is refused,
-/// and the next one is read.
+/// Reads lines until the agent closes the connection; returns whether there were any. Of a line longer than
+/// [`LINE_MAX`] the first bytes are passed on, one more than permitted, so that the bridge refuses it.
 fn read_lines(reader: Reader, inputs: &SyncSender<Input>) -> bool {
     let (mut reader, mut has_heard) = (BufReader::new(reader), false);
     loop {
@@ -103,14 +103,15 @@ fn read_lines(reader: Reader, inputs: &SyncSender<Input>) -> bool {
     }
 }
 
-/// The way to the agent. Lines from it become inputs.
+/// The connection to the agent. Each line from the agent becomes an input.
 pub struct AgentLink {
     address: AgentAddress,
     writer: Arc<Mutex<Option<Writer>>>,
 }
 
 impl AgentLink {
-    /// Opens the way. A lost socket is opened again. `ended` hears the end of standard input, and whether it had lines.
+    /// Starts a thread that connects and reads, and that connects again after it has lost a socket. When standard input
+    /// ends, `ended` receives whether it had lines.
     #[must_use]
     pub fn open(
         address: AgentAddress,
@@ -125,7 +126,7 @@ impl AgentLink {
             loop {
                 let problem = match hold(&address, token.as_deref(), &writer, &inputs) {
                     Ok(has_heard) if address == AgentAddress::Pipes => {
-                        // The program ends, and nobody may hear it any more.
+                        // If the program is ending already, nobody receives this.
                         let _ = ended.send(has_heard);
                         return;
                     }
@@ -143,7 +144,7 @@ impl AgentLink {
         link
     }
 
-    /// Sends a line. Without a connection it is dropped: readings and contacts of then do not matter later.
+    /// Sends a line. Without a connection the line is dropped, because old readings and contacts are of no use later.
     ///
     /// # Errors
     /// Standard output is closed.
@@ -155,7 +156,7 @@ impl AgentLink {
         match open.write_all(text.as_bytes()).and_then(|()| open.flush()) {
             Err(problem) if self.address == AgentAddress::Pipes => Err(format!("the agent is gone: {problem}")),
             Err(_) => {
-                // The reader hears it, too, and opens the way again.
+                // The reader connects again as soon as its side of the connection ends, too.
                 *writer = None;
                 Ok(())
             }

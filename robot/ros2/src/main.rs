@@ -1,4 +1,4 @@
-//! The program: a driver on standard input and output, and a ROS 2 node.
+//! The program: for the agent a driver, on standard input and output or on a socket; for ROS 2 a node.
 
 use std::process::ExitCode;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -18,11 +18,12 @@ use vibrissa_ros2::options::{Arguments, Options};
 use vibrissa_ros2::ros_args::split;
 use vibrissa_ros2::touch::TouchTests;
 
-/// Inputs that wait; beyond that, messages from ROS are shed.
+/// Inputs that may wait. Beyond that, messages from ROS are shed, and lines of the agent wait at their source.
 const WAITING_MAX: usize = 1024;
+/// Interval of the work that no input starts: life cycle, touch tests, count of shed messages, time limits.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Logs problems of single messages, which appear in the log of the agent or of the launch file.
+/// Logs problems that the program survives on standard error, which the agent or the launch file records.
 struct Log {
     is_on: bool,
     limited: Limited,
@@ -46,8 +47,8 @@ fn run(options: Options) -> Result<(), String> {
     let mut node = RosNode::join(options.scope, inputs.clone())?;
     let is_managed = options.settings.activity == Activity::Idle;
     let mut managed = is_managed.then(|| node.manage()).transpose()?;
-    let (ended, has_ended) = sync_channel(1);
-    let agent = AgentLink::open(options.agent, options.token, inputs, ended);
+    let (end_sender, end_receiver) = sync_channel(1);
+    let agent = AgentLink::open(options.agent, options.token, inputs, end_sender);
     let mut bridge = Bridge::new(options.settings);
     let mut tests: Option<TouchTests<TouchTestServer>> = None;
     let mut outputs = Vec::new();
@@ -75,7 +76,8 @@ fn run(options: Options) -> Result<(), String> {
                 Output::Stop(reason) => return Err(reason),
             }
         }
-        match has_ended.try_recv() {
+        // Standard input has ended. If it had no line, there never was an agent.
+        match end_receiver.try_recv() {
             Ok(true) => return Ok(()),
             Ok(false) => {
                 return Err("no agent is at standard input: give --agent, or let the agent start this".to_owned());

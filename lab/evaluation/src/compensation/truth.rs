@@ -1,11 +1,12 @@
-//! True value of a compensation on the plant itself, without noise.
+//! True error of a compensation: that of the plant itself, without noise.
 
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile, Formulation, Model};
 use vibrissa_core::units::{Megapascal, Millimetre};
 
 use super::{Case, START_MPA, Trial, TrueError};
 
-/// Number of steps in the search for the best single pressure: 0.25 kPa each over 0.2 MPa.
+/// Number of steps in the search for the best single pressure: 0.25 kPa each up to 0.2 MPa, and 0.125 kPa each up to
+/// 0.1 MPa, the limit of a whisker that serves itself.
 const BRUTE_FORCE_STEPS: u32 = 800;
 
 /// The plant of a trial with its reference sensitivities.
@@ -13,7 +14,9 @@ pub struct Truth {
     model: Model,
     case: Case,
     length_mm: f64,
+    /// Sensitivities of the compensator at [`START_MPA`], per mm.
     before: ByRatio,
+    /// Sensitivities of the uncut target at [`START_MPA`], per mm.
     target: ByRatio,
 }
 
@@ -37,11 +40,12 @@ impl Truth {
         ErrorProfile::new(&self.after(pressure_mpa, gain), &self.before, &self.target)
     }
 
-    /// Eq. 35 at a pressure with the one gain that is best for its mean on this plant.
+    /// Mean of Eq. 35 at a pressure, with the single gain that makes this mean least on this plant.
     #[must_use]
     pub fn best_gain_error(&self, pressure_mpa: f64) -> f64 {
         let after = self.after(pressure_mpa, None);
-        // The mean of absolute values is least where one of them is 0.
+        // Each error is an absolute value and linear in the gain on both sides of 0, so their mean is least where one
+        // is 0.
         let gains = (0..CONTACT_RATIOS.len()).filter_map(|k| Some(self.target[k]? / after[k]?));
         gains
             .map(|gain| self.error(pressure_mpa, Some(&[gain; CONTACT_RATIOS.len()])).mean)
@@ -61,7 +65,7 @@ impl Truth {
         (self.before, self.target)
     }
 
-    /// The best single pressure in MPa, by brute force.
+    /// Pressure with the least mean error if no gain is applied, MPa; found by brute force.
     #[must_use]
     pub fn best_mpa(&self) -> f64 {
         let highest_mpa = self.case.highest_mpa();

@@ -1,4 +1,5 @@
-//! The oracle: a CUSUM that knows the size of the cut, the whisker's true curve and its noise.
+//! The oracle: a CUSUM that knows the size of the cut, the whisker's true curve and its noise. The core, which knows
+//! none of them, is compared with it.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erfc;
@@ -8,11 +9,13 @@ const STATES: usize = 120;
 
 /// Threshold of the CUSUM of log likelihood ratios for a mean number of contacts between false alarms.
 ///
-/// The shifts are those of equally likely contact ratios, in standard deviations. The CUSUM's value is divided into
-/// states (Brook and Evans, Biometrika 59 (1972) 539) and the linear system is solved for the mean run length; the
-/// threshold is found by bisection.
+/// The shifts are those of equally likely contact ratios, in standard deviations, and none is 0. The CUSUM's value is
+/// divided into states (Brook and Evans, Biometrika 59 (1972) 539) and the linear system is solved for the mean run
+/// length; the threshold is found by bisection.
 #[must_use]
 pub fn threshold(shifts: &[f64], contacts_between_false_alarms: f64) -> f64 {
+    // The mean run length is at least exp(threshold), so the threshold is at most the logarithm. 2 is a reserve for the
+    // error of the approximation.
     let (mut low, mut high) = (0.0, contacts_between_false_alarms.ln() + 2.0);
     for _ in 0..30 {
         let middle = 0.5 * (low + high);
@@ -30,11 +33,12 @@ pub fn threshold(shifts: &[f64], contacts_between_false_alarms: f64) -> f64 {
 pub fn mean_run_length(shifts: &[f64], threshold: f64) -> f64 {
     // State 0 is exactly zero; the others are cells of equal width.
     let width = threshold / (STATES as f64 - 0.5);
+    // Probability that a contact raises the value by at most `limit`.
     let below = |limit: f64| {
         let one = |&shift: &f64| normal_cdf((limit + 0.5 * shift * shift) / shift.abs());
         shifts.iter().map(one).sum::<f64>() / shifts.len() as f64
     };
-    // Increments between states are multiples of the width: compute each tail once.
+    // Differences between states are multiples of the width, so each probability is computed once.
     let cdf: Vec<f64> = (0..2 * STATES).map(|k| below((k as f64 - STATES as f64 + 0.5) * width)).collect();
     let at = |to: usize, from: usize| cdf[to + STATES - from];
     let stay = DMatrix::from_fn(STATES, STATES, |from, to| {

@@ -34,13 +34,15 @@ impl Called {
 pub struct Outcome {
     /// True class of the case.
     pub truth: Class,
-    /// First verdict on the affected whisker or array.
+    /// First statement about the affected whisker or array; healthy if there was none.
     pub called: Called,
-    /// First statement about an unaffected whisker.
+    /// First statement about an unaffected whisker. If the case concerns no single whisker: the first statement that
+    /// differs from `called`.
     pub bystander: Option<Called>,
-    /// Number of false trim verdicts.
+    /// Number of trims that were reported of whiskers which the case does not cut.
     pub wrong_trims: u32,
-    /// Contacts of one whisker from the onset to the verdict.
+    /// Contacts of one whisker from the onset to `called`; negative if the statement came before the onset. `None` if
+    /// there was no statement.
     pub delay_contacts: Option<f64>,
 }
 
@@ -52,7 +54,7 @@ impl Outcome {
     }
 }
 
-/// Runs a case to its end.
+/// Runs a case to its end, and compares the core's statements with its truth.
 pub(super) fn judge(case: &Case) -> Outcome {
     let mut world = World::new(&case.scenario, Params::nguyen_2021(Formulation::Published));
     world.run_until_s(case.end_s);
@@ -80,8 +82,8 @@ pub(super) fn judge(case: &Case) -> Outcome {
     Outcome { truth: case.class, called, bystander, wrong_trims, delay_contacts }
 }
 
-/// A definite statement about a whisker. Suspicions do not count, nor consequences of a statement: that nobody can
-/// compensate, or that a leaking chamber does not reach its setpoint.
+/// A definite statement about a whisker. Suspicions do not count, nor do consequences of a statement: no whisker can
+/// compensate, a leaking chamber does not reach its setpoint, or a compensation waits for approval.
 fn statement(effect: &Effect) -> Option<(usize, Called)> {
     match effect {
         Effect::Trim(trim) => Some((trim.whisker, Called::Class(Class::Trim))),
@@ -91,6 +93,7 @@ fn statement(effect: &Effect) -> Option<(usize, Called)> {
     }
 }
 
+/// The class of an alarm's word. Two alarms have another word than their class.
 fn called(word: &'static str) -> Called {
     match word {
         "ERODING" => Called::Class(Class::Erosion),

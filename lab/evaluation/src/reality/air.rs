@@ -9,23 +9,24 @@ use vibrissa_core::robot::event::RegulatorState;
 use super::nuisances::Nuisances;
 use super::whisker::{NOMINAL_MPA, normal, stream};
 
-/// Resolution and noise of the pressure sensor with on/off valves, MPa.
+/// Resolution of the pressure sensor with on/off valves, and standard deviation of its noise, MPa.
 const COARSE_MPA: (f64, f64) = (0.00122, 0.0003);
-/// Resolution and noise of the pressure sensor with an ideal regulator, MPa.
+/// The same with an ideal regulator, MPa.
 const FINE_MPA: (f64, f64) = (0.0002, 0.0004);
-/// Dead band of the valves, MPa.
+/// Range of the dead bands, MPa: the largest distance from the target at which the valves stay closed.
 const DEAD_BAND_MPA: (f64, f64) = (0.0015, 0.003);
-/// Loss of a tight chamber behind on/off valves, per second.
+/// Part of its pressure that a tight chamber behind on/off valves loses per second.
 const TIGHT_PER_S: f64 = 5e-5;
-/// Loss of a leaking chamber, per second.
+/// Range of the same for a leaking chamber.
 const LEAK_PER_S: (f64, f64) = (0.001, 0.03);
-/// Period with which a regulator hunts, s.
+/// Range of the periods with which regulators hunt, s.
 const HUNTING_S: (f64, f64) = (3.0, 80.0);
 /// Random stream of the first whisker's period; the others follow downwards.
 const HUNTING_STREAM: u64 = u64::MAX - 40;
-/// Time from the arrival at a pressure until it counts as held, s.
+/// Time from the arrival at the target until it counts as held, s.
 const SETTLING_S: f64 = 0.5;
-/// Refills in one advance after which the phase of the cycle is drawn.
+/// Refills that one call of `advance` follows one by one. After more, the pressure is drawn from a cycle of loss and
+/// refill.
 const REFILLS_MAX: u32 = 100;
 
 /// Chamber of one whisker with its valves and sensor.
@@ -34,14 +35,17 @@ pub(super) struct Air {
     pressure_mpa: f64,
     target_mpa: f64,
     slew_mpa_per_s: f64,
+    /// Time that is left until the target counts as held, s; `None` once it does.
     settling_s: Option<f64>,
     dead_band_mpa: f64,
     loss_per_s: f64,
     leak_per_s: f64,
     sensor_mpa: (f64, f64),
-    /// Amplitude and period with which the regulator hunts, MPa and s, and the time, s.
+    /// Amplitude with which the regulator hunts.
     hunting_mpa: f64,
+    /// Period with which it hunts.
     hunting_s: f64,
+    /// Time since the start.
     now_s: f64,
     random: ChaCha8Rng,
 }
@@ -84,7 +88,7 @@ impl Air {
         self.settling_s = Some(SETTLING_S);
     }
 
-    /// Lets the chamber leak and its valves work for a time.
+    /// Lets a time pass: the chamber approaches its target, and then loses air and is refilled.
     pub(super) fn advance(&mut self, seconds: f64) {
         self.now_s += seconds;
         let mut left_s = seconds;
@@ -97,7 +101,7 @@ impl Air {
             }
             left_s -= way_s;
             self.settling_s = (settling_s > left_s).then_some(settling_s - left_s);
-            // The valves stop somewhere in the dead band, and from then on the pressure counts as reached.
+            // When the target counts as held, the valves have stopped somewhere in the dead band.
             let stop_mpa = if self.settling_s.is_some() { 0.0 } else { self.dead_band_mpa };
             self.pressure_mpa = (self.target_mpa + stop_mpa * self.random.random_range(-1.0..=1.0)).max(0.0);
         }
@@ -142,7 +146,7 @@ impl Air {
         ((noisy_mpa / step_mpa).round() * step_mpa).clamp(0.0, 1.0)
     }
 
-    /// Whether the target is reached.
+    /// Whether the target counts as held.
     #[must_use]
     pub(super) fn is_settled(&self) -> bool {
         self.settling_s.is_none()

@@ -16,27 +16,29 @@ const PAUSE_S: f64 = 80.0;
 const HELD_S: (f64, f64) = (0.1, 3.0);
 /// Time between two rounds of a bout, s.
 const BETWEEN_S: f64 = 0.2;
-/// Half of the daily swing of the temperature, K.
+/// Amplitude of the daily swing of the temperature, K.
 const SWING_K: f64 = 5.0;
 const DAY_S: f64 = 86_400.0;
 /// Rounds between two changes of habit.
 const HABIT_ROUNDS: (u64, u64) = (500, 2500);
 /// Rounds between two steps of the scale.
 const STEP_ROUNDS: (u64, u64) = (300, 5000);
-/// Rounds in which a camera moves slowly.
+/// Rounds that a slow movement of the camera takes.
 const CAMERA_ROUNDS: u64 = 2000;
+/// Random stream of the camera.
 const CAMERA_STREAM: u64 = u64::MAX - 20;
-/// Rounds in which the contacts turn out of the plane and back to both sides.
+/// Period, in rounds, with which `heading_deg` swings to both sides.
 const TURN_ROUNDS: f64 = 6000.0;
 /// Temperature at installation, degrees Celsius.
 const INSTALLED_C: f64 = 24.0;
-/// Share of the steps that come from the temperature, with a thermometer that shows it; the others have no trace.
+/// Share of the steps that the temperature causes, so that the thermometer shows them. Nothing shows the others.
 const WARM_STEPS: f64 = 0.5;
-/// Temperature that a warm step shows, K per log sensitivity: that of a rubber with 0.5 % per K, unless the whiskers have
-/// coefficients of their own.
+/// Change of the temperature in a warm step, K per log sensitivity of its size: that of a rubber with 0.5 % per K.
+/// Whiskers with coefficients of their own respond to this change by those instead.
 const STEP_K: f64 = 200.0;
-/// Zones and ranges of deflections among which habits change.
+/// Ranges of contact ratios among which habits change.
 const ZONES: [(f64, f64); 2] = [(0.8, 0.9), (0.5, 0.6)];
+/// Ranges of deflections among which habits change.
 const DEFLECTIONS_MM: [(f64, f64); 3] = [(0.2, DEFLECTION_MAX_MM), (0.2, 2.0), (3.0, DEFLECTION_MAX_MM)];
 
 /// Circumstances that the whiskers of a robot share.
@@ -56,16 +58,19 @@ pub struct Course {
     pub habit: Habit,
     /// Change of all sensitivities, in log sensitivity, apart from each whisker's coefficient of temperature.
     pub log_shift: f64,
-    /// Present error of all contact ratios, and its change with each round until it is as far as it goes.
+    /// Present error of all contact ratios.
     pub ratio_off: f64,
+    /// Largest change of `ratio_off` in a round, until it is `ratio_goal`.
     ratio_moves: f64,
     ratio_goal: f64,
+    /// Round in which the camera moves next.
     next_move: u64,
     camera: ChaCha8Rng,
     /// Present angle of the robot's contacts to the direction in which it drives, degrees.
     pub heading_deg: f64,
     /// Deviation that a warm step shows on the thermometer, K.
     step_k: f64,
+    /// Phase of the daily swing and of the heading at the start, rad.
     phase: f64,
     zone: usize,
     next_habit: u64,
@@ -156,7 +161,7 @@ impl Course {
         }
     }
 
-    /// A step away, or the step back.
+    /// Steps away from the state at the installation, or back to it.
     fn step(&mut self) {
         let [up, warm]: [f64; 2] = std::array::from_fn(|_| self.random.random());
         if self.log_shift != 0.0 || self.step_k != 0.0 {

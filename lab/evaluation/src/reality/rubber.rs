@@ -1,10 +1,10 @@
-//! Memory of the rubber: creep, and a loop between the way in and the way out.
+//! Memory of the rubber: creep, and a loop (hysteresis) between the way in and the way out.
 
 use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
 
 /// Time constants of the Prony series, s.
 const CREEP_S: [f64; 2] = [1.0, 30.0];
-/// Radii of the play operators, mm.
+/// Radii of the play operators that form the loop, mm.
 const PLAY_MM: [f64; 3] = [0.1, 0.3, 0.6];
 
 /// One contact as the rubber feels it.
@@ -35,6 +35,7 @@ impl Rubber {
         let deflection_mm = press.deflection_mm;
         let mut felt_mm = deflection_mm;
         if nuisances.creep > 0.0 {
+            // In the pause each term recovers, and in the hold it follows the deflection.
             for (followed_mm, tau_s) in self.followed_mm.iter_mut().zip(CREEP_S) {
                 *followed_mm *= (-press.pause_s / tau_s).exp();
                 *followed_mm = deflection_mm + (*followed_mm - deflection_mm) * (-press.held_s / tau_s).exp();
@@ -42,13 +43,14 @@ impl Rubber {
             }
         }
         if nuisances.loop_mm > 0.0 {
-            // Far from its ends the loop is twice the sum of radius times weight wide.
+            // Far from the ends of the loop, its width is twice the weighted sum of the radii.
             let weight = 0.5 * nuisances.loop_mm / PLAY_MM.iter().sum::<f64>();
             for (play_mm, radius_mm) in self.play_mm.iter_mut().zip(PLAY_MM) {
                 for at_mm in [press.peak_mm.min(DEFLECTION_MAX_MM), deflection_mm] {
                     *play_mm = play_mm.clamp(at_mm - radius_mm, at_mm + radius_mm);
                 }
                 felt_mm += weight * (*play_mm - deflection_mm);
+                // Between two contacts the deflection is 0.
                 *play_mm = play_mm.clamp(-radius_mm, radius_mm);
             }
         }

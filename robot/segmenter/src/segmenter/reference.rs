@@ -4,7 +4,7 @@ use super::{CERTAIN_S, LOW, Segmenter, State};
 use crate::intake::Bin;
 use crate::{Contact, Event};
 
-/// Contacts that are held back at most.
+/// Most contacts that are held back. Beyond that the oldest is given up, and counted as doubtful.
 const HELD: usize = 32;
 
 impl Segmenter {
@@ -51,6 +51,7 @@ impl Segmenter {
         }
     }
 
+    /// Makes a level the reference. `is_here` tells whether the strain is at this level now.
     fn refer_to(&mut self, bin: &Bin, strain: f64, strain_2: f64, is_here: bool) {
         self.young = self.young.filter(|young| young.sure);
         self.baseline.begin(bin.t_s, strain, strain_2);
@@ -58,7 +59,8 @@ impl Segmenter {
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
     }
 
-    /// Shaking may hide a move of the baseline. When it ends, the mean over some bins is the baseline, if calm noise does not explain it.
+    /// Shaking may hide a move of the baseline. When it ends, the strain becomes the baseline if the move was so small
+    /// that shaking hid it.
     pub(super) fn calm_down(&mut self, bin: &Bin) {
         let ends = std::mem::replace(&mut self.shook, bin.shaking) && !bin.shaking;
         let hidden = self.params.onset_sds * self.baseline.shaking_sd(self.intake.grain);
@@ -72,7 +74,7 @@ impl Segmenter {
         }
     }
 
-    /// Shaking that begins looks like an onset.
+    /// Forgets contacts that began just before shaking, because shaking that begins looks like an onset.
     pub(super) fn forget_shaking(&mut self, bin: &Bin) {
         if !bin.shaking {
             return;
@@ -86,7 +88,7 @@ impl Segmenter {
         }
     }
 
-    /// Tells contacts that are certain.
+    /// Reports contacts as soon as it is certain that they were no shaking, and that their reference was rest.
     pub(super) fn tell(&mut self, bin: &Bin) {
         if let Some(young) = self.young
             && bin.t_s >= young.certain_s

@@ -4,19 +4,20 @@ use super::series::{Line, Point, Ring};
 use super::{LEVEL_S, Touch, relative};
 use crate::{Contact, ContactKind, DistanceFusion, Params};
 
-/// The end of a contact in which a slip-off is looked for. s.
+/// A slip-off is looked for in the last part of a contact: its least length. s.
 const FALL_S: f64 = 0.15;
 /// A step of less than this part of the steepest one does not belong to the fall.
 const GENTLE: f64 = 0.25;
 /// Part of the change between two samples that counts as the standard deviation of a strain before a slip-off.
 const BETWEEN: f64 = 0.5;
 
-/// The time of a strain, with what belongs to it.
+/// A strain as the measurement of a contact, with its time and quality.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     point: Point,
+    /// Number of independent bins to which the strain's noise corresponds, at least 1.
     bins: f64,
-    /// Possible change of the strain between two samples at the measurement.
+    /// Standard deviation of the strain by its change between two samples. m/m.
     between: f64,
     kind: ContactKind,
 }
@@ -59,6 +60,7 @@ impl Touch {
         }
     }
 
+    /// The mean of the plateau; without a plateau the peak.
     fn measured(&self, period_s: f64) -> Measured {
         match (self.plateau, self.plateau_point) {
             (Some(sums), Some(point)) => {
@@ -81,7 +83,7 @@ impl Touch {
                 .map(|bin| relative(bin, (self.baseline, self.baseline_2), self.sign))
                 .take_while(|point| point.t_s >= self.first.t_s && end_s - point.t_s < LEVEL_S + 0.1)
         };
-        // The fall begins where the strain fell little before its steepest step.
+        // Bins from the newest to the oldest: the fall is the steepest step and those before it that are not gentle.
         let long_s = f64::max(FALL_S, 6.0 * period_s);
         let steps = || {
             let later = points().take_while(|point| end_s - point.t_s < long_s);
@@ -94,6 +96,7 @@ impl Touch {
         let low =
             points().take_while(|point| point.t_s >= before.t_s).filter(|point| point.strain < 0.3 * level).last()?;
         let fall_s = low.t_s - before.t_s;
+        // Part of the deflection since the onset that went back during the fall.
         let back = match (self.onset_deflection_mm, before.deflection_mm, low.deflection_mm) {
             (Some(onset), Some(before), Some(low)) if before != onset => Some((before - low) / (before - onset)),
             _ => None,
@@ -101,7 +104,7 @@ impl Touch {
         let slipped = match back {
             Some(back) => back < params.slip_of_deflection && fall_s < 0.15,
             None => {
-                // Samples resolve no less than about one spacing.
+                // A time between two events is uncertain by about one sampling period.
                 let rise_s = self.reached_s(0.8 * level) - self.onset_s;
                 let most_s = params.slip_s.max(1.5 * period_s);
                 fall_s <= most_s && (fall_s - 0.5 * period_s).max(0.0) < params.slip_of_rise * rise_s
@@ -125,7 +128,7 @@ impl Touch {
             line_2.add(0.0, before.strain_2.unwrap_or(0.0));
             bins = 1.0;
         }
-        // The rise went on for some part of the time to the next sample.
+        // The slip-off began between two samples. Until then, on average half a period, the strain went on as before.
         let ahead_s = 0.5 * period_s;
         let at = |line: &Line| if line.count >= 2.0 { line.at(ahead_s) } else { line.y / line.count };
         let between = if line.count >= 2.0 { BETWEEN * line.slope().abs() * period_s } else { 0.1 * level };
