@@ -38,7 +38,7 @@ pub enum Refusal {
         /// Defect of the JSON, with line and column.
         problem: String,
     },
-    /// The payload begins as a map in CBOR, but is not well-formed or has values that JSON has not.
+    /// The payload begins as a map in CBOR, but is not well-formed or has values that JSON lacks.
     #[error("the payload is not CBOR of the contract: {problem}")]
     NotCbor {
         /// The violated rule and the position in bytes.

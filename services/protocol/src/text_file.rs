@@ -3,7 +3,7 @@
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
-/// Mark at the begin of a text in UTF-8, which Windows programs write.
+/// Byte order mark that programs for Windows write at the beginning of a text in UTF-8.
 const UTF_8: &[u8] = &[0xef, 0xbb, 0xbf];
 const UTF_16_LITTLE: [u8; 2] = [0xff, 0xfe];
 const UTF_16_BIG: [u8; 2] = [0xfe, 0xff];
@@ -12,7 +12,7 @@ const UTF_16_BIG: [u8; 2] = [0xfe, 0xff];
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("line {line} is not text in UTF-8{}: save the file as UTF-8", if *has_nul { UTF_16_HINT } else { "" })]
 pub struct NotText {
-    /// Line of the first wrong byte, from 1.
+    /// Line of the first wrong byte, from 1; always 1 after a byte order mark of UTF-16.
     pub line: usize,
     /// Whether there are bytes of 0, as in UTF-16 without a byte order mark.
     pub has_nul: bool,
@@ -49,7 +49,7 @@ pub fn text_of(bytes: &[u8]) -> std::result::Result<String, NotText> {
     }
 }
 
-/// Number of line ends, of which CR and LF together are one.
+/// Number of line ends. CR LF is one.
 fn line_ends(bytes: &[u8]) -> usize {
     let both = bytes.windows(2).filter(|pair| pair == b"\r\n").count();
     bytes.iter().filter(|byte| matches!(byte, b'\r' | b'\n')).count() - both
@@ -65,7 +65,7 @@ pub fn pem_of(bytes: Vec<u8>) -> Vec<u8> {
     text_of(&bytes).map_or(bytes, String::into_bytes)
 }
 
-/// Reads the text of a file of at most so many bytes.
+/// Reads the text of a file of at most `bytes_max` bytes.
 ///
 /// # Errors
 /// The file cannot be read, is longer, or is not text.

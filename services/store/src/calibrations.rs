@@ -61,8 +61,9 @@ impl Store {
         Ok(self.set_aside.readable("calibrations", rows))
     }
 
-    /// Stores a calibration under the model's next version, and records the action in the audit log. Returns its
-    /// number; `None` if the same idempotency key was used before, and nothing was stored.
+    /// Stores a calibration under the model's next version, and records the action in the audit log. Returns the record
+    /// of the action, and the calibration's number: `None` if the idempotency key was used before, so nothing was
+    /// stored.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -96,7 +97,7 @@ impl Store {
     }
 }
 
-/// The calibrations that are active in a fleet.
+/// Query for the calibrations that are active in a fleet.
 const ACTIVE: &str = "SELECT a.calibration_id, calibration FROM active_calibrations a \
      JOIN calibrations USING (calibration_id) WHERE fleet = $1 ORDER BY a.model";
 

@@ -25,7 +25,8 @@ pub(crate) fn outline(problem: &sqlx::Error) -> String {
             "all connections are closed: the service is stopping".to_owned()
         }
         sqlx::Error::Protocol(_) => {
-            "the answer is not one of PostgreSQL: check the port, and proxies between".to_owned()
+            "the server does not answer as PostgreSQL: check the port of database.url, and proxies in between"
+                .to_owned()
         }
         sqlx::Error::Configuration(_) | sqlx::Error::InvalidArgument(_) => {
             "an option of the address cannot be used: correct database.url".to_owned()
@@ -34,7 +35,7 @@ pub(crate) fn outline(problem: &sqlx::Error) -> String {
         | sqlx::Error::ColumnNotFound(_)
         | sqlx::Error::Decode(_)
         | sqlx::Error::TypeNotFound { .. } => {
-            "a stored value is not one of this version: was the database changed by hand, or by another version?"
+            "this version cannot read a stored value: was the database changed by hand, or by another version?"
                 .to_owned()
         }
         // sqlx may add variants.
@@ -98,7 +99,8 @@ fn of_tls(text: &str) -> String {
 /// The cause of an SQLSTATE.
 fn of_sqlstate(code: &str) -> Option<&'static str> {
     Some(match code {
-        "28P01" | "28000" => "password authentication failed: correct the user or database.password_file",
+        "28P01" => "password authentication failed: correct the user or database.password_file",
+        "28000" => "the server does not admit this user: correct the user, or let pg_hba.conf and the role admit it",
         "3D000" => "the database does not exist: create it, or correct database.url",
         "3F000" => {
             "no schema of the user's search_path exists: create it, or set search_path to public (ALTER ROLE ... SET search_path)"
@@ -106,15 +108,19 @@ fn of_sqlstate(code: &str) -> Option<&'static str> {
         "42P01" | "42703" | "42883" => {
             "a part of the tables is missing: was the database restored in part, or changed by hand?"
         }
-        "42501" => "this user may not do it: grant the right, docs/postgresql.md lists them",
+        "42501" => "this user lacks a right: grant it (docs/postgresql.md lists the rights)",
         "53100" => "the server's disk is full: free space there",
         "53200" => "the server has no memory: give it more",
         "53300" => "too many connections: raise max_connections, or stop other clients",
         "53400" => "a limit of the server's configuration is reached: raise it",
-        "57014" => "the server cancelled the statement: it took longer than its statement_timeout",
+        "57014" => {
+            "the server cancelled the statement: it took longer than statement_timeout, or somebody cancelled it"
+        }
         "57P01" | "57P02" | "57P03" | "57P05" => "the server is starting or stopping",
-        "25006" => "the server accepts no writes: it is a standby, or read-only",
-        "26000" | "42P05" => "prepared statements fail, is PgBouncer in transaction mode?",
+        "25006" => {
+            "the server accepts no writes, because it is a standby or read-only: let database.url name the primary"
+        }
+        "26000" | "42P05" => "prepared statements fail: if PgBouncer is in between, set its pool_mode to session",
         "40001" | "40P01" => "another transaction was in the way",
         "55P03" => "a table is locked by another client: end its transaction",
         "58030" | "58P01" => "the server cannot read or write its files: check its disk",
@@ -144,6 +150,9 @@ fn of_sqlite(code: &str) -> Option<&'static str> {
             "the file cannot be written: give this user the right to write it and its folder, or mount the disk for writing"
         }
         (_, 10) => "the disk fails at reading or writing the file: check it, and its free space",
+        (_, 11 | 26) => {
+            "the file is damaged: stop the service, keep the file, and restore a back-up (docs/operations.md, Restore)"
+        }
         (_, 13) => "the disk is full: free space, or shorten database.retention",
         (_, 14) => "the file cannot be opened: check its path, and that this user may read and write its folder",
         (_, 17) => "the tables were changed by another program: start again",
@@ -162,7 +171,7 @@ mod tests {
 
     #[test]
     fn regress_each_code_of_a_cause_that_people_can_end_has_a_remedy() {
-        for code in ["3", "5", "7", "8", "10", "13", "14", "1", "778", "1032", "3850"] {
+        for code in ["3", "5", "7", "8", "10", "11", "13", "14", "26", "1", "778", "1032", "3850"] {
             let text = of_sqlite(code).unwrap_or_else(|| panic!("SQLite {code}"));
             assert!(text.contains(": "), "SQLite {code}: {text}");
         }

@@ -8,8 +8,8 @@ use crate::config::{Config, Key};
 use vibrissa_program::files::open_file;
 use vibrissa_store::DatabaseAddress;
 
-/// Warnings about everything that others can read or do; empty if nothing is exposed. Encryption of the connections to
-/// the broker and the database is checked where these are prepared.
+/// Warnings about everything that others can read or do; empty if nothing is exposed. The code that prepares the
+/// connections to the broker and the database warns if they are not encrypted.
 #[must_use]
 pub fn exposures(config: &Config) -> Vec<String> {
     let mut found: Vec<String> = http(config).into_iter().collect();
@@ -43,6 +43,7 @@ fn http(config: &Config) -> Option<String> {
     })
 }
 
+/// The path with an ending: SQLite names the files that belong to a database like this.
 fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(ending);

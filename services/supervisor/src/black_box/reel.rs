@@ -1,16 +1,18 @@
-//! The tape of one robot within its limits: what stays on it, and from which time on it has everything.
+//! The tape of one robot within its limits. It loses old entries, and has all messages from a known time on.
 
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 
 use super::tape::{EntryKind, Tape, TapeCopy};
 
-/// Part of a robot's memory after which its state is put on the tape again: a busy robot's tape is shorter than a span.
+/// A state follows the last one after this part of a robot's memory: a busy robot's tape is shorter than a span.
 const STATE_EVERY: usize = 8;
-/// Shortest interval between two states of a busy robot, unless its messages take a `STATE_AT_LEAST`-th of its memory.
+/// Shortest interval between two states of a busy robot, unless the last one and the messages since then take a
+/// `STATE_AT_LEAST`-th of its memory.
 const STATE_PAUSE: Micros = Micros(5_000_000);
-/// Part of a robot's memory after which its state is put on the tape at any interval. Two thirds of the memory hold such a
-/// part and the largest state, so a tape whose beginning was removed still has a state.
+/// A state follows the last one after this part of a robot's memory, however short the interval is. The memory before
+/// an event (2/3) is larger than this part (1/3) and the largest state (1/4) together. So a tape that has lost its
+/// beginning still has a state.
 const STATE_AT_LEAST: usize = 3;
 /// A state larger than this part of the robot's memory is left out.
 const STATE_PART: usize = 4;
@@ -18,7 +20,8 @@ const STATE_PART: usize = 4;
 /// Limits of a tape, which change with the number of robots.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// Most bytes on the tape while a box is being recorded; two thirds of it otherwise, for up to two spans before an event.
+    /// Memory of the robot: most bytes on the tape while a box is being recorded. Before an event two thirds of it are
+    /// used, for one to two spans.
     pub(super) share: usize,
     /// Time that the tape must cover.
     pub(super) span: Micros,
@@ -44,12 +47,13 @@ pub(super) struct Reel {
     from: Micros,
     /// The newest connection message and factsheet before the tape's first entry.
     base: [Option<Vec<u8>>; 2],
-    /// Time of the last state, and bytes of the messages since then.
+    /// Time at which a state was last due.
     state_at: Micros,
+    /// Bytes that were put on the tape since then, with the state itself.
     since_state: usize,
     /// The last state was small enough for the tape.
     states_fit: bool,
-    /// Entries were removed, and no state has been put on the tape since: nobody can replay what is on it.
+    /// Entries were removed, and the tape has no state since then: it cannot be replayed.
     lacks_state: bool,
     /// The first message ever heard is no longer on the tape.
     has_lost: bool,
@@ -125,7 +129,7 @@ impl Reel {
         self.since_state += Tape::bytes_of(payload.len());
     }
 
-    /// Leaves out an entry that is larger than the memory for it.
+    /// Leaves out an entry that is larger than the memory for it. After a message the tape begins anew.
     fn skip(&mut self, at: Micros, kind: EntryKind, payload: &[u8], limits: Limits) {
         if kind == EntryKind::State {
             return;
@@ -177,7 +181,7 @@ impl Reel {
         }
     }
 
-    /// Prepares the tape for a box: messages that lack a state before them go, once a later one is there.
+    /// Prepares the tape for a box: removes messages without a state before them if there is a later state.
     pub(super) fn begin_box(&mut self) {
         if self.has_lost {
             self.begin_with_state();
@@ -197,8 +201,8 @@ impl Reel {
         self.from = next.unwrap_or(self.from);
     }
 
-    /// Whether the robot's state is due. Without messages the state has hardly changed. One that was too large is tried again
-    /// after a span, because its encoding costs as much as many messages.
+    /// Whether the robot's state is due. If nothing was put on the tape, the state has hardly changed. A state that was
+    /// too large is encoded again only after a span, because that costs as much as many messages.
     pub(super) fn is_state_due(&self, now: Micros, limits: Limits) -> bool {
         let passed = now.since(self.state_at);
         let has_many = |part: usize| self.since_state >= limits.share / part;

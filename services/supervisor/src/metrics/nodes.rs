@@ -1,4 +1,4 @@
-//! Metrics by node of the broker. Nodes are addresses of the configuration, so the number of series is bounded.
+//! Metrics by node of the broker. Nodes are addresses in the configuration, so the number of series is limited.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ impl OfFleet for NodeInUse {
     }
 }
 
-/// Failed connections and attempts of a fleet, by node.
+/// Broken connections, and failed attempts to connect, of a fleet by node.
 #[derive(Debug, Clone)]
 pub struct NodeFailures {
     family: IntCounterVec,
@@ -50,7 +50,7 @@ pub struct NodeFailures {
 }
 
 impl NodeFailures {
-    /// Creates the series of a node.
+    /// Creates the series of a node, so that it is 0 before the first failure.
     pub fn know(&self, node: &str) {
         let _ = self.family.with_label_values(&[&self.fleet, node]);
     }

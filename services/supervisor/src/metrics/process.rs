@@ -1,4 +1,4 @@
-//! Metrics of this process, from Linux's folder `/proc/self`: the seven that Prometheus' client libraries export.
+//! Metrics of this process, from Linux's folder `/proc/self`: the seven that Prometheus' client library for Rust has.
 
 use std::fs::{read_dir, read_to_string};
 
@@ -60,7 +60,8 @@ impl ProcessMetrics {
             self.files_max.set(signed(files_max));
         }
         if let Some(stat) = read_to_string("/proc/self/stat").ok().as_deref().and_then(Stat::parse) {
-            // Two scrapes at the same time may both have read the counter: it never goes back.
+            // If two scrapes at the same time add the same difference, the counter is ahead until the true value
+            // reaches it.
             self.cpu.inc_by((stat.cpu_s - self.cpu.get()).max(0.0));
             self.threads.set(signed(stat.threads));
             self.virtual_memory.set(signed(stat.virtual_bytes));

@@ -1,7 +1,7 @@
 //! Proof that the broker accepts publications, by topic: a refusal is remembered until a publication on the same topic
 //! is accepted.
 //!
-//! The broker answers publications of QoS 1 only. Receipts have QoS 0, so one of them now and then gets QoS 1.
+//! The broker answers only publications with QoS 1. Receipts have QoS 0, so one of them gets QoS 1 every 5 s.
 
 use std::time::Duration;
 
@@ -18,7 +18,8 @@ use super::problem::{Cause, Problem};
 
 /// Interval between two receipts whose acceptance the broker must confirm.
 const RECEIPT_INTERVAL: Duration = Duration::from_secs(5);
-/// Bytes of a packet beside topic and payload: header, properties, and their lengths.
+/// Upper limit for the bytes of a packet beside topic and payload: header, properties, and their lengths. About 15 are
+/// used.
 const PACKET_OVERHEAD: usize = 32;
 
 /// Follows the publications of a connection.
@@ -47,14 +48,17 @@ impl Proofs {
         Encoded { qos: QualityOfService::AtLeastOnce, ..encoded }
     }
 
-    /// Whether the broker accepts a packet of this size; a larger one would end the connection.
+    /// Whether the broker accepts a packet of this size; a larger one would end the connection. `bytes_max` is the
+    /// broker's limit; 0 if it has none.
     pub(super) fn fits(&self, topic: &str, payload_bytes: usize, bytes_max: u32) -> bool {
         let bytes = topic.len() + payload_bytes + PACKET_OVERHEAD;
         let fits = bytes_max == 0 || bytes <= bytes_max as usize;
         if !fits {
             self.refused(
                 topic,
-                format!("because it has {bytes} bytes: raise the broker's limit of packets, max_packet_size, above {bytes_max}"),
+                format!(
+                    "because it has {bytes} bytes: raise the broker's max_packet_size from {bytes_max} to at least that"
+                ),
             );
         }
         fits

@@ -1,5 +1,5 @@
-//! Stands in for the module `trace` in a build without the feature `traces`: the same names, and no collector can be
-//! configured. [`Traces`] has no value, so no method of this module ever runs except [`is_traced`].
+//! Stands in for the module `trace` in a build without the feature `traces`: it has the same names, and
+//! [`Traces::start`] always fails. [`Traces`] has no value, so no method that takes `self` ever runs.
 
 use std::time::Duration;
 
@@ -120,7 +120,7 @@ impl TracedAction {
     }
 }
 
-/// A step of the core.
+/// A step of the core, with the fields that the module `trace` reads.
 #[expect(dead_code, reason = "nothing reads the steps that are not traced")]
 pub(crate) struct Step<'a> {
     pub(crate) fleet: &'a Name,

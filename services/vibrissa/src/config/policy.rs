@@ -1,4 +1,5 @@
-//! The policy, and another one for comparisons: a file with some keys of `[policy]`.
+//! Reads the policy from the configuration, and another policy for comparisons from a file with some keys of
+//! `[policy]`.
 
 use std::path::PathBuf;
 
@@ -10,10 +11,10 @@ use super::layers::{Layers, Sources};
 use super::problem::Problems;
 use super::reader::Reader;
 
-/// Section of such a file.
+/// The only section that the file of another policy may have.
 const SECTION: &str = "policy";
 
-/// The policy of the configuration.
+/// The policy of the configuration; `None` if a value is wrong, which `reader` has noted.
 pub(super) fn policy(reader: &mut Reader) -> Option<PolicyParams> {
     let mode = reader.word::<ModeArg>(Key::PolicyMode);
     let objective = reader.word::<ObjectiveArg>(Key::PolicyObjective);
@@ -31,7 +32,8 @@ pub(super) fn policy(reader: &mut Reader) -> Option<PolicyParams> {
     Some(policy)
 }
 
-/// The policy `base`, overridden by the keys in the file.
+/// The policy `base`, overridden by the keys in the file. `path` names the file in problems, `text` is its content. The
+/// mode stays that of `base`, even if the file has the key `mode`.
 ///
 /// # Errors
 /// All problems of the file. Keys of other sections are refused.

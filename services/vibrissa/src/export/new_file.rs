@@ -6,17 +6,19 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-/// A file under a temporary name, which is removed if the file is not completed.
+/// A file under a temporary name. Unless it is completed, it is removed when this value is dropped.
 #[derive(Debug)]
 pub struct NewFile {
     /// `None` once the file is complete.
     file: Option<BufWriter<File>>,
+    /// Temporary name.
     partial: PathBuf,
+    /// Name of the complete file.
     path: PathBuf,
 }
 
 impl NewFile {
-    /// Creates the file in the folder of its later name.
+    /// Creates the file under a temporary name in the folder of `path`.
     ///
     /// # Errors
     /// A file of that name exists, or its folder cannot be written.
@@ -24,7 +26,7 @@ impl NewFile {
         if path.exists() {
             bail!("{} exists already: choose another name, or remove it", path.display());
         }
-        let name = path.file_name().with_context(|| format!("{} names no file", path.display()))?;
+        let name = path.file_name().with_context(|| format!("{} names no file: add a name", path.display()))?;
         let mut partial_name = name.to_owned();
         partial_name.push(format!(".{}.partial", std::process::id()));
         let partial = path.with_file_name(partial_name);
@@ -36,10 +38,10 @@ impl NewFile {
         self.file.as_mut().ok_or_else(|| std::io::Error::other("the file is complete"))
     }
 
-    /// Gives the file its name, after everything is on the disk.
+    /// Gives the file its name after all of its content is on the disk.
     ///
     /// # Errors
-    /// The file cannot be written, or a file of that name was created meanwhile.
+    /// The file cannot be written, a file of that name was created meanwhile, or the file system has no hard links.
     pub fn complete(mut self) -> anyhow::Result<()> {
         let failed = || format!("cannot write {}", self.path.display());
         let file = self.file.take().context("the file is complete")?;

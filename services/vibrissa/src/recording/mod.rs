@@ -1,4 +1,4 @@
-//! Recordings of MQTT messages: writes those of fleets into a file as they arrive, and reads such a file line by line.
+//! Recordings: writes the MQTT messages of fleets into a file as they arrive, and reads such a file line by line.
 
 pub mod lines;
 
@@ -19,11 +19,11 @@ use vibrissa_host::random;
 use vibrissa_supervisor::inbox::Incoming;
 use vibrissa_supervisor::mqtt::{self, BrokerAddress, BrokerLink, Connection, RecorderState};
 
-/// Capacity of the queue of messages to write.
+/// Received messages that may wait until they are written.
 const WAITING: usize = 10_000;
-/// The buffer is written when it has this many bytes,
+/// Bytes in the buffer at which it is written at once.
 const WRITTEN_AT_ONCE: usize = 64 * 1024;
-/// or after this interval.
+/// Longest time that a line waits in the buffer.
 const WRITTEN_EVERY: Duration = Duration::from_millis(200);
 /// Time limit for the first subscription of each fleet. A recording that hears nothing must not run for hours.
 const SUBSCRIBED_WITHIN: Duration = Duration::from_secs(30);
@@ -33,7 +33,7 @@ const SUBSCRIBED_WITHIN: Duration = Duration::from_secs(30);
 pub struct Report {
     /// Number of recorded messages.
     pub messages: u64,
-    /// Number of received messages that could not be written.
+    /// Number of received messages that could not be written. A failed write counts all messages of its buffer.
     pub lost: u64,
     /// Number of broken connections: messages sent before the reconnection are missing in the recording.
     pub breaks: u64,
@@ -47,7 +47,7 @@ struct Source {
 }
 
 impl Source {
-    /// Why nothing of this fleet was recorded; `None` if the broker has accepted the subscription.
+    /// Reason for which no message of this fleet was recorded; `None` if the broker has accepted the subscription.
     fn deafness(&self, broker: &BrokerAddress, tried: Duration) -> Option<String> {
         if self.state.has_subscribed() {
             return None;
@@ -55,8 +55,9 @@ impl Source {
         let (fleet, attempts) = (&self.fleet, self.state.attempts());
         let times = if attempts == 1 { "once".to_owned() } else { format!("{attempts} times") };
         let problems = self.link.problems();
-        let is_answered = |problem: &String| broker.nodes().iter().any(|node| problem.contains(&node.to_string()));
-        let problems: Vec<String> = problems.into_iter().filter(is_answered).collect();
+        // A problem with the name of a node comes from an attempt to reach this node.
+        let is_of_node = |problem: &String| broker.nodes().iter().any(|node| problem.contains(&node.to_string()));
+        let problems: Vec<String> = problems.into_iter().filter(is_of_node).collect();
         let reason = match problems.as_slice() {
             [_, ..] => problems.join("; "),
             [] => format!("MQTT broker {broker}: no answer yet: check the network, and mqtt.url"),
@@ -68,8 +69,8 @@ impl Source {
 /// Records the given fleets until `stop`.
 ///
 /// # Errors
-/// A file of the broker's settings cannot be used, the broker did not accept the subscription of a fleet, or the reader
-/// at the other end of the pipe has gone.
+/// A file that the broker's settings name cannot be used, the broker did not accept the subscription of a fleet, or the
+/// reader at the other end of the pipe has gone.
 pub async fn record(
     broker: &BrokerAddress,
     fleets: &[Name],
@@ -95,6 +96,7 @@ pub async fn record(
     drop(sender);
     let mut journal = Journal::new(out);
     let has_unsubscribed = || sources.iter().any(|source| !source.state.has_subscribed());
+    // Ends only if a fleet still has no subscription at the time limit.
     let hopeless = async {
         tokio::time::sleep(SUBSCRIBED_WITHIN).await;
         if !has_unsubscribed() {
@@ -150,9 +152,11 @@ async fn write_until(
 /// Writes messages as lines, and counts those that cannot be written.
 struct Journal<'a> {
     out: &'a mut dyn Write,
+    /// The buffer: lines that are not written yet.
     waiting: Vec<u8>,
+    /// Number of lines in `waiting`.
     lines: u64,
-    /// An error has cut a line off: the next line must not continue it.
+    /// An error may have cut a line off: the next line must not continue it.
     torn: bool,
     report: Report,
 }

@@ -7,7 +7,7 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::RobotTopic;
 use vibrissa_store::refusals::RefusalRow;
 
-/// Most characters of a refusal in words.
+/// Characters of a refusal's text that are kept.
 const PROBLEM_CHARS_MAX: usize = 400;
 
 /// Counts by topic and reason: both are closed lists, so their number is limited.
@@ -17,8 +17,11 @@ pub(crate) struct Refusals(BTreeMap<(RobotTopic, &'static str), Count>);
 #[derive(Debug, Default)]
 struct Count {
     total: u64,
+    /// Refusals that the database does not count yet.
     unwritten: i64,
+    /// Time of the newest refusal.
     newest: Micros,
+    /// Text of the first refusal since the last write.
     problem: String,
 }
 
@@ -26,7 +29,7 @@ impl Refusals {
     /// Counts a refused message, or a refused entry of a message.
     pub(crate) fn count(&mut self, (topic, reason): (RobotTopic, &'static str), problem: &dyn Display, now: Micros) {
         let count = self.0.entry((topic, reason)).or_default();
-        // The words of the first refusal since the last write are enough.
+        // A row has one text: that of the first refusal since the last write is enough as an example.
         if count.unwritten == 0 {
             let words = problem.to_string();
             count.problem = words.chars().filter(|one| !one.is_control()).take(PROBLEM_CHARS_MAX).collect();
@@ -53,7 +56,7 @@ impl Refusals {
         self.0.values_mut().for_each(|count| count.unwritten = 0);
     }
 
-    /// All counts since the robot is known here, by topic and reason.
+    /// All counts since this supervisor knows the robot, by topic and reason.
     pub(crate) fn totals(&self) -> impl Iterator<Item = (&'static str, &'static str, u64)> {
         self.0.iter().map(|(&(topic, reason), count)| (topic.as_str(), reason, count.total))
     }

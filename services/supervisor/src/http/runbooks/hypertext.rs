@@ -2,7 +2,7 @@
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
 
-/// The page has styles of this service, and nothing else.
+/// Content security policy: the page loads styles and images of this service, and nothing else.
 pub(super) const POLICY: &str = "default-src 'none'; style-src 'self'; img-src 'self'; base-uri 'none'; \
                                  form-action 'none'; frame-ancestors 'none'";
 
@@ -19,15 +19,15 @@ const BEFORE_BODY: &str = " - vibrissa</title>\n</head>\n<body>\n<header class=\
     </header>\n<main class=\"runbook\">\n";
 const AFTER_BODY: &str = "</main>\n</body>\n</html>\n";
 
-/// The page for a text in Markdown. Its links to pages of which `is_served` is true lead there. Of other files of the
-/// repository the path is named.
+/// The page for a text in Markdown. A link to a file for which `is_served` is true leads to the page of that file. A
+/// link to another file of the repository becomes its text and the file's path.
 #[expect(clippy::wildcard_enum_match_arm, reason = "the library's events: most of them stay as they are")]
 pub(super) fn of(markdown: &str, is_served: impl Fn(&str) -> bool) -> String {
     let title = markdown.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("Runbook");
     let mut events = Vec::new();
     // Path of a file that is not served, until the end of its link.
     let mut outside: Option<String> = None;
-    // Place of the heading's event, and its words so far.
+    // Index of the event that begins the heading, and the heading's words so far.
     let mut heading: Option<(usize, String)> = None;
     for event in Parser::new_ext(markdown, Options::ENABLE_TABLES) {
         if let Some((_, words)) = &mut heading
@@ -63,7 +63,7 @@ pub(super) fn of(markdown: &str, is_served: impl Fn(&str) -> bool) -> String {
                 }
                 events.push(event);
             }
-            // A wide table scrolls on its own, by keys as well.
+            // A wide table scrolls within this box. `tabindex` lets people scroll it by keyboard, too.
             Event::Start(Tag::Table(_)) => {
                 events.extend([Event::Html("<div class=\"wide\" tabindex=\"0\">".into()), event]);
             }
@@ -81,13 +81,13 @@ pub(super) fn of(markdown: &str, is_served: impl Fn(&str) -> bool) -> String {
 
 /// Where a link leads.
 enum Place {
-    /// To a page of this service, of this page, or of another host.
+    /// To a page of this service, a heading of this page, or another host.
     Here(String),
     /// To a file of the repository that is not served.
     Repository(String),
 }
 
-/// The place of a link. All pages are served from one folder, and in the repository they are in two.
+/// The place of a link. The repository has the pages in two folders, and the service has them in one.
 fn place(link: &str, is_served: impl Fn(&str) -> bool) -> Place {
     let name = link.trim_start_matches("../").trim_start_matches("runbooks/");
     let file = name.split_once('#').map_or(name, |(file, _)| file);
@@ -97,7 +97,7 @@ fn place(link: &str, is_served: impl Fn(&str) -> bool) -> Place {
     Place::Repository(link.trim_start_matches("../").to_owned())
 }
 
-/// The name of a heading in addresses, as in the repository: small letters, digits and hyphens.
+/// The anchor of a heading by the rule of GitHub: small letters, digits, hyphens and underscores.
 fn anchor(words: &str) -> String {
     let known = words.chars().filter(|letter| letter.is_alphanumeric() || matches!(letter, ' ' | '-' | '_'));
     known.collect::<String>().to_lowercase().replace(' ', "-")
