@@ -103,7 +103,7 @@ impl Segmenter {
             return;
         }
         let certain_s = if self.intake.shake.has_shaken() { CERTAIN_SHAKEN_S } else { CERTAIN_S };
-        self.young = Some(Young { contact, certain_s: touch.onset_s + certain_s, sure: self.sure });
+        self.young.push_back(Young { contact, certain_s: touch.onset_s + certain_s, sure: self.sure });
         self.last_peak = touch.peak_strain();
         self.last_sign = touch.sign();
         self.settle(bin);

@@ -80,8 +80,8 @@ pub struct Segmenter {
     elections: u32,
     /// Rest was sure when the contact in progress began.
     sure: bool,
-    /// A contact that may yet prove to be shaking.
-    young: Option<Young>,
+    /// Contacts that may yet prove to be shaking, the oldest first.
+    young: VecDeque<Young>,
     held: VecDeque<Contact>,
     out: VecDeque<Event>,
     watch: Watch,
@@ -111,7 +111,7 @@ impl Segmenter {
             provisional: true,
             elections: 0,
             sure: false,
-            young: None,
+            young: VecDeque::new(),
             held: VecDeque::new(),
             out: VecDeque::new(),
             watch: Watch::default(),
@@ -189,7 +189,7 @@ impl Segmenter {
             self.intake.counts.interrupted += 1;
         }
         self.ring.clear();
-        self.young = None;
+        self.young.clear();
         self.step = None;
         if self.baseline.ready() {
             self.state = State::Away;

@@ -53,7 +53,7 @@ impl Segmenter {
 
     /// Makes a level the reference. `is_here` tells whether the strain is at this level now.
     fn refer_to(&mut self, bin: &Bin, strain: f64, strain_2: f64, is_here: bool) {
-        self.young = self.young.filter(|young| young.sure);
+        self.young.retain(|young| young.sure);
         self.baseline.begin(bin.t_s, strain, strain_2);
         self.elections = self.rest.elections;
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };
@@ -79,7 +79,7 @@ impl Segmenter {
         if !bin.shaking {
             return;
         }
-        self.young = None;
+        self.young.clear();
         if let State::Touch(touch) = &self.state
             && touch.age_s() < CERTAIN_S
             && touch.began_calm()
@@ -90,10 +90,7 @@ impl Segmenter {
 
     /// Reports contacts as soon as it is certain that they were no shaking, and that their reference was rest.
     pub(super) fn tell(&mut self, bin: &Bin) {
-        if let Some(young) = self.young
-            && bin.t_s >= young.certain_s
-        {
-            self.young = None;
+        while let Some(young) = self.young.pop_front_if(|young| bin.t_s >= young.certain_s) {
             if young.sure {
                 self.tell_contact(young.contact);
             } else {
