@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io::{self, BufRead, BufReader, Read, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -62,21 +62,33 @@ impl fmt::Display for AgentAddress {
 }
 
 type Reader = Box<dyn Read + Send>;
-type Writer = Box<dyn Write + Send>;
+
+/// The side of a connection that is written.
+struct Writer {
+    to: Box<dyn Write + Send>,
+    /// Ends the connection for the reader, too.
+    end: Box<dyn Fn() + Send>,
+}
 
 fn connect(address: &AgentAddress) -> io::Result<(Reader, Writer)> {
     match address {
-        AgentAddress::Pipes => Ok((Box::new(io::stdin()), Box::new(io::stdout()))),
+        AgentAddress::Pipes => Ok((Box::new(io::stdin()), Writer { to: Box::new(io::stdout()), end: Box::new(|| ()) })),
         AgentAddress::Unix(path) => {
             let stream = UnixStream::connect(path)?;
             stream.set_write_timeout(Some(TIMEOUT))?;
-            Ok((Box::new(stream.try_clone()?), Box::new(stream)))
+            let open = stream.try_clone()?;
+            // It may be closed already.
+            let end = Box::new(move || drop(open.shutdown(Shutdown::Both)));
+            Ok((Box::new(stream.try_clone()?), Writer { to: Box::new(stream), end }))
         }
         AgentAddress::Tcp(address) => {
             let stream = TcpStream::connect_timeout(address, TIMEOUT)?;
             stream.set_nodelay(true)?;
             stream.set_write_timeout(Some(TIMEOUT))?;
-            Ok((Box::new(stream.try_clone()?), Box::new(stream)))
+            let open = stream.try_clone()?;
+            // It may be closed already.
+            let end = Box::new(move || drop(open.shutdown(Shutdown::Both)));
+            Ok((Box::new(stream.try_clone()?), Writer { to: Box::new(stream), end }))
         }
     }
 }
@@ -153,10 +165,11 @@ impl AgentLink {
         text.push('\n');
         let mut writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(open) = writer.as_mut() else { return Ok(()) };
-        match open.write_all(text.as_bytes()).and_then(|()| open.flush()) {
+        match open.to.write_all(text.as_bytes()).and_then(|()| open.to.flush()) {
             Err(problem) if self.address == AgentAddress::Pipes => Err(format!("the agent is gone: {problem}")),
             Err(_) => {
-                // The reader connects again as soon as its side of the connection ends, too.
+                // The reader connects again as soon as its side ends.
+                (open.end)();
                 *writer = None;
                 Ok(())
             }
@@ -174,10 +187,27 @@ fn hold(
 ) -> io::Result<bool> {
     let (reader, mut writer) = connect(address)?;
     if let Some(token) = token {
-        writeln!(writer, "{}", json!({ "type": "token", "token": token }))?;
-        writer.flush()?;
+        writeln!(writer.to, "{}", json!({ "type": "token", "token": token }))?;
+        writer.to.flush()?;
     }
     *shared.lock().unwrap_or_else(PoisonError::into_inner) = Some(writer);
     inputs.send(Input::Linked).map_err(io::Error::other)?;
     Ok(read_lines(reader, inputs))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+
+    /// After a failed write the reader stayed with the old socket, and all lines were dropped until the agent closed it.
+    #[test]
+    fn regress_the_end_of_writing_is_the_end_of_reading() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let (mut reader, writer) = connect(&AgentAddress::Tcp(listener.local_addr().unwrap())).unwrap();
+        let _agent = listener.accept().unwrap();
+        (writer.end)();
+        assert_eq!(reader.read(&mut [0]).unwrap(), 0);
+    }
 }
