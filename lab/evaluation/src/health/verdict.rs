@@ -39,7 +39,7 @@ pub struct Outcome {
     /// First statement about an unaffected whisker. If the case concerns no single whisker: the first statement that
     /// differs from `called`.
     pub bystander: Option<Called>,
-    /// Number of trims that were reported of whiskers which the case does not cut.
+    /// Number of trims that were reported of whiskers which the case does not cut, or before it cuts them.
     pub wrong_trims: u32,
     /// Contacts of one whisker from the onset to `called`; negative if the statement came before the onset. `None` if
     /// there was no statement.
@@ -47,10 +47,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether the verdict is right and there was no statement about another whisker.
+    /// Whether the verdict is right, came after the onset, and there was no statement about another whisker.
     #[must_use]
     pub fn is_right(&self) -> bool {
-        self.called == Called::Class(self.truth) && self.bystander.is_none()
+        let is_early = self.delay_contacts.is_some_and(|contacts| contacts < 0.0);
+        self.called == Called::Class(self.truth) && !is_early && self.bystander.is_none()
     }
 }
 
@@ -63,13 +64,13 @@ pub(super) fn judge(case: &Case) -> Outcome {
         let Some((whisker, statement)) = statement(effect) else { continue };
         let is_own = case.whisker == Some(whisker);
         let is_trim = statement == Called::Class(Class::Trim);
-        wrong_trims += u32::from(is_trim && !(is_own && case.class == Class::Trim));
+        let since_s = (at.0 as f64 - START_US as f64) / 1e6 - case.onset_s;
+        wrong_trims += u32::from(is_trim && !(is_own && case.class == Class::Trim && since_s >= 0.0));
         // A shift of the array may be reported for any whisker; in a healthy case no whisker is special.
         let of_all = case.whisker.is_none();
         if is_own || of_all {
             if called.is_none() {
                 called = Some(statement);
-                let since_s = (at.0 - START_US) as f64 / 1e6 - case.onset_s;
                 delay_contacts = Some(since_s * CONTACTS_PER_SECOND);
             } else if of_all && called != Some(statement) {
                 bystander.get_or_insert(statement);
