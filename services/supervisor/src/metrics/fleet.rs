@@ -343,7 +343,9 @@ impl FleetMetrics {
             &self.outbox_events,
             &self.outbox_bytes,
             &self.log_connected,
+            &self.log_ingest,
             &self.log_lag,
+            &self.rollout_stage,
         ] {
             gauge.set(0);
         }

@@ -62,8 +62,13 @@ fn a_fleet_that_is_elsewhere_has_nothing_here_and_its_quantities_are_not_shown()
         "{text}"
     );
     assert!(!text.contains("vibrissa_compensation_error_mean_ratio{case=\"SHORTER"), "{text}");
+    of_fleet.log_ingest.set(1);
+    of_fleet.rollout_stage.set(2);
     of_fleet.forget();
     let text = shown(&metrics);
+    for gauge in ["vibrissa_kafka_ingest", "vibrissa_rollout_stage"] {
+        assert!(text.contains(&format!("{gauge}{{fleet=\"f\"}} 0")), "{text}");
+    }
     assert!(text.contains("vibrissa_whiskers{fleet=\"f\",health=\"HEALTHY\"} 0"), "{text}");
     assert!(!text.contains("vibrissa_compensation_error_mean_ratio{"), "{text}");
 }
