@@ -134,6 +134,49 @@ async fn a_person_gets_the_alarms_between_two_mails_with_the_second() {
     service.stop().await;
 }
 
+/// The time since the last mail was negative, and counted as none until the clock had passed it.
+#[tokio::test]
+async fn regress_a_clock_that_was_set_back_stops_no_mail() {
+    let (stage, mailbox) = (Stage::sqlite().await, Mailbox::start().await);
+    let service = supervisor(&stage, MailOptions { pause: HOUR, ..server(&mailbox) }).await;
+    subscribed(&service).await;
+    let mut raw = stage.raw().await;
+    alarms(&mut raw, "ALARM_RAISED", "LEAK").await;
+    mails(&mailbox, 1).await;
+    let is_noted = "SELECT count(*) FROM webhooks WHERE delivered = 3 AND holder IS NULL";
+    until_true("the first mail is noted", async || raw.number(is_noted).await == 1).await;
+    let ahead = "last_success_us = last_success_us + 21600000000, last_us = last_us + 21600000000";
+    raw.run(&format!("UPDATE webhooks SET {ahead}")).await;
+    alarms(&mut raw, "ALARM_RAISED", "ERODING").await;
+    mails(&mailbox, 2).await;
+    service.stop().await;
+}
+
+/// Each dead letter was a mail of its own, so that newer alarms waited for hours.
+#[tokio::test]
+async fn regress_dead_letters_of_a_person_are_one_mail() {
+    let (stage, mailbox) = (Stage::sqlite().await, Mailbox::start().await);
+    mailbox.answers("550 unknown");
+    let pace = Pace { attempts_max: 1, ..FAST };
+    let mail = Some(MailOptions { pause: HOUR, ..server(&mailbox) });
+    let allowed_hosts = vec!["127.0.0.1".to_owned()];
+    let service = stage.delivering("a", WebhookOptions { allowed_hosts, pace, mail }).await;
+    stage.robot().await;
+    let webhook_id = subscribed(&service).await;
+    let mut raw = stage.raw().await;
+    alarms(&mut raw, "ALARM_RAISED", "LEAK").await;
+    let dead = async || shown(&service, webhook_id).await["dead_letters"].as_i64().unwrap();
+    until_true("three dead letters", async || dead().await == 3).await;
+    mailbox.answers("250 fine");
+    let path = format!("/v1/webhooks/{webhook_id}/dead-letters/redeliver");
+    assert_eq!(call(&service, "POST", &path, None).await.status, 200);
+    let mail = mails(&mailbox, 1).await.remove(0);
+    assert_eq!(mail.header("Subject"), "URGENT: 3 whiskers of r of g: leaking");
+    until_true("no dead letter is left", async || dead().await == 0).await;
+    assert_eq!(mailbox.mails().len(), 1);
+    service.stop().await;
+}
+
 #[tokio::test]
 async fn a_mail_server_that_refuses_is_tried_again_and_stops_nobody() {
     let (stage, mailbox) = (Stage::sqlite().await, Mailbox::start().await);

@@ -154,6 +154,25 @@ async fn a_webhook_of_a_pattern_gets_the_events_of_fleets_that_match() {
     service.stop().await;
 }
 
+/// The webhook was deleted although the request was refused, and no action said so.
+#[tokio::test]
+async fn regress_a_key_of_another_request_deletes_no_webhook() {
+    let stage = Stage::sqlite().await;
+    let receiver = Receiver::start(Manner::Status(200)).await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    let key = [("Idempotency-Key", "k")];
+    let body = json!({ "name": "tickets", "url": receiver.url() });
+    let made = send(service.http, "POST", "/v1/webhooks", &key, Some(&body)).await.unwrap();
+    let path = format!("/v1/webhooks/{}", made.json()["webhook"]["webhook_id"]);
+    let refused = send(service.http, "DELETE", &path, &key, None).await.unwrap();
+    assert_eq!(refused.json()["type"], "/problems/idempotency-key-reused", "{}", refused.body);
+    assert_eq!(call(&service, "GET", &path, None).await.status, 200);
+    assert_eq!(call(&service, "DELETE", &path, None).await.status, 200);
+    assert_eq!(call(&service, "GET", &path, None).await.status, 404);
+    service.stop().await;
+}
+
 #[tokio::test]
 async fn a_disabled_webhook_keeps_its_place_and_a_repeated_request_creates_nothing() {
     let stage = Stage::sqlite().await;

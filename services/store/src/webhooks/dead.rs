@@ -107,15 +107,18 @@ impl Store {
     }
 }
 
-/// Deletes a dead letter that was delivered.
+/// Deletes dead letters that were delivered.
 pub(super) async fn forget(tx: &mut Tx<'_>, job: &Job) -> sqlx::Result<()> {
     const SQL: &str = "DELETE FROM webhook_dead_letters WHERE webhook_id = $1 AND event_id = $2";
-    on!(tx, |tx| sqlx::query(SQL)
-        .bind(job.webhook.webhook_id)
-        .bind(job.event.event_id)
-        .execute(&mut **tx)
-        .await
-        .map(drop))
+    for event in job.events() {
+        on!(&mut *tx, |tx| sqlx::query(SQL)
+            .bind(job.webhook.webhook_id)
+            .bind(event.event_id)
+            .execute(&mut **tx)
+            .await
+            .map(drop))?;
+    }
+    Ok(())
 }
 
 /// Makes an event a dead letter. The oldest ones beyond the limit are deleted, and counted as lost.

@@ -145,11 +145,13 @@ impl Store {
     pub async fn remove_webhook(&self, webhook_id: i64, action: &NewAction) -> Result<Asked, StoreError> {
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, action, action.asked_us).await?;
-        for sql in
-            ["DELETE FROM webhook_dead_letters WHERE webhook_id = $1", "DELETE FROM webhooks WHERE webhook_id = $1"]
-        {
-            on!(&mut tx, |tx| sqlx::query(sql).bind(webhook_id).execute(&mut **tx).await.map(drop))
-                .map_err(failed(WHAT))?;
+        if matches!(asked, Asked::New(_)) {
+            for sql in
+                ["DELETE FROM webhook_dead_letters WHERE webhook_id = $1", "DELETE FROM webhooks WHERE webhook_id = $1"]
+            {
+                on!(&mut tx, |tx| sqlx::query(sql).bind(webhook_id).execute(&mut **tx).await.map(drop))
+                    .map_err(failed(WHAT))?;
+            }
         }
         tx.commit().await.map_err(failed(WHAT))?;
         Ok(asked)

@@ -294,11 +294,9 @@ async fn take(
     // It stays held: nobody can deliver to it.
     let Some(webhook) = set_aside.read("webhooks", webhook) else { return Ok(None) };
     let keys: Keys = on!(&mut *tx, |tx| sqlx::query_as(KEYS).bind(webhook_id).fetch_one(&mut **tx).await)?;
-    let again = next_dead(tx, webhook_id, set_aside).await?;
-    let (events, is_again) = match again {
-        Some(event) => (vec![event], true),
-        None => (next_new(tx, &webhook, set_aside).await?, false),
-    };
+    let again = next_dead(tx, &webhook, set_aside).await?;
+    let is_again = !again.is_empty();
+    let events = if is_again { again } else { next_new(tx, &webhook, set_aside).await? };
     let mut events = events.into_iter();
     let Some(event) = events.next() else {
         const RELEASE: &str = "UPDATE webhooks SET holder = NULL, held_until_us = 0 WHERE webhook_id = $1";
@@ -310,27 +308,46 @@ async fn take(
     Ok(Some(Job { webhook, event, more, secrets, attempts, is_again, age_us }))
 }
 
-/// The oldest dead letter that shall be delivered again. One that cannot be read stays a dead letter.
-async fn next_dead(tx: &mut Tx<'_>, webhook_id: i64, set_aside: &SetAside) -> sqlx::Result<Option<StoredEvent>> {
+/// The oldest dead letters that shall be delivered again: one, or those of a mail. One that cannot be read stays a dead letter.
+async fn next_dead(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Vec<StoredEvent>> {
     const GIVEN_UP: &str = "UPDATE webhook_dead_letters SET again = FALSE WHERE webhook_id = $1 AND event_id = $2";
-    let end = "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 AND d.again \
-         ORDER BY e.tx, e.event_id LIMIT 1";
+    let (webhook_id, many) = (webhook.webhook_id, events_at_once(webhook));
+    let end = format!(
+        "JOIN webhook_dead_letters d ON d.event_id = e.event_id WHERE d.webhook_id = $1 AND d.again \
+         ORDER BY e.tx, e.event_id LIMIT {many}"
+    );
     loop {
-        let next: Option<Positioned<StoredEvent>> =
-            on!(&mut *tx, |tx| sqlx::query_as(select(end)).bind(webhook_id).fetch_optional(&mut **tx).await)?;
-        let Some(next) = next else { return Ok(None) };
-        if let Some(event) = set_aside.read(EVENTS, next.event) {
-            return Ok(Some(event));
+        let letters: Vec<Positioned<StoredEvent>> =
+            on!(&mut *tx, |tx| sqlx::query_as(select(&end)).bind(webhook_id).fetch_all(&mut **tx).await)?;
+        let (count, mut events) = (letters.len(), Vec::new());
+        for letter in letters {
+            if let Some(event) = set_aside.read(EVENTS, letter.event) {
+                events.push(event);
+                continue;
+            }
+            let event_id = letter.at.event_id;
+            on!(&mut *tx, |tx| sqlx::query(GIVEN_UP)
+                .bind(webhook_id)
+                .bind(event_id)
+                .execute(&mut **tx)
+                .await
+                .map(drop))?;
         }
-        let event_id = next.at.event_id;
-        on!(&mut *tx, |tx| sqlx::query(GIVEN_UP).bind(webhook_id).bind(event_id).execute(&mut **tx).await.map(drop))?;
+        if count == 0 || !events.is_empty() {
+            return Ok(events);
+        }
     }
+}
+
+/// Number of events that a target gets at once.
+fn events_at_once(webhook: &WebhookRow) -> usize {
+    if webhook.is_mail() { MAIL_EVENTS_MAX } else { 1 }
 }
 
 /// The next event that the target wants, and for a mail those after it. The ones before it are done: the target does not
 /// want them, or they cannot be read and are lost.
 async fn next_new(tx: &mut Tx<'_>, webhook: &WebhookRow, set_aside: &SetAside) -> sqlx::Result<Vec<StoredEvent>> {
-    let (interest, many) = (webhook.interest(), if webhook.is_mail() { MAIL_EVENTS_MAX } else { 1 });
+    let (interest, many) = (webhook.interest(), events_at_once(webhook));
     let end = format!(
         "WHERE (e.tx, e.event_id) > ($1, $2) AND e.audience = 'PEOPLE' {} ORDER BY e.tx, e.event_id LIMIT {EVENTS_A_QUERY}",
         settled(tx)

@@ -139,15 +139,20 @@ impl Store {
     pub async fn forget_events(&self, now_us: i64) -> Result<(), StoreError> {
         let sql = format!(
             "DELETE FROM events WHERE event_id IN (SELECT event_id FROM events e WHERE e.recorded_us < $2 \
-             AND e.audience <> 'PEOPLE' AND {NOT_AWAITED})"
+             AND e.audience <> 'PEOPLE' AND {NOT_AWAITED} LIMIT {PIECE})"
         );
-        on!(&self.pool, |pool| sqlx::query(AssertSqlSafe(sql))
-            .bind(now_us - KEPT_US)
-            .bind(now_us - OTHERS_KEPT_US)
-            .execute(pool)
-            .await
-            .map(drop))
-        .map_err(failed(WHAT))
+        loop {
+            let removed = on!(&self.pool, |pool| sqlx::query(AssertSqlSafe(sql.clone()))
+                .bind(now_us - KEPT_US)
+                .bind(now_us - OTHERS_KEPT_US)
+                .execute(pool)
+                .await
+                .map(|done| done.rows_affected()))
+            .map_err(failed(WHAT))?;
+            if removed < PIECE as u64 {
+                return Ok(());
+            }
+        }
     }
 
     /// Prepares the log when a supervisor starts. A file has one supervisor at a time, so nobody holds a webhook of it now. A

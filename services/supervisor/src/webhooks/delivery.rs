@@ -99,7 +99,8 @@ impl Delivery {
     /// Time until a mail may leave: its first event waits for others, and a person gets one mail at a time.
     fn too_early(&self, job: &Job) -> Option<Duration> {
         let mail = self.webhooks.sender.mail().filter(|_| job.webhook.is_mail())?;
-        let age = |us: i64| Duration::from_micros(u64::try_from(us).unwrap_or_default());
+        // After a clock was set back, a wait that began in the future is over.
+        let age = |us: i64| u64::try_from(us).map_or(Duration::MAX, Duration::from_micros);
         let now_us = job.event.recorded_us.saturating_add(job.age_us);
         let since_last = job.webhook.last_success_us.map_or(Duration::MAX, |last_us| age(now_us - last_us));
         let wait = mail.gather.saturating_sub(age(job.age_us)).max(mail.pause.saturating_sub(since_last));
