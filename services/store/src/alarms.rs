@@ -93,7 +93,8 @@ impl Store {
         .map_err(failed("read an alarm"))
     }
 
-    /// Acknowledges, shelves or unshelves an alarm at most once, and records the action in the audit log.
+    /// Acknowledges, shelves or unshelves an alarm at most once, and records the action in the audit log. `None` if there was
+    /// nothing to change: somebody has acknowledged the alarm already, or no person has shelved it.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -102,12 +103,14 @@ impl Store {
         subject: &AlarmSubject,
         said: Said,
         action: &NewAction,
-    ) -> Result<Asked, StoreError> {
+    ) -> Result<Option<Asked>, StoreError> {
         let now_us = action.asked_us;
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, action, now_us).await?;
         if let Asked::New(_) = asked {
-            write(&mut tx, subject, said, action).await.map_err(failed(WHAT))?;
+            if write(&mut tx, subject, said, action).await.map_err(failed(WHAT))? == 0 {
+                return Ok(None);
+            }
             let event = EventRow {
                 whisker_id: subject.whisker_id,
                 robot_id: subject.robot_id,
@@ -116,11 +119,12 @@ impl Store {
             events::write::write(&mut tx, &subject.fleet, &[event]).await.map_err(failed(WHAT))?;
         }
         tx.commit().await.map_err(failed(WHAT))?;
-        Ok(asked)
+        Ok(Some(asked))
     }
 }
 
-async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &NewAction) -> sqlx::Result<()> {
+/// Returns the number of changed rows.
+async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &NewAction) -> sqlx::Result<u64> {
     match said {
         Said::Acknowledged => on!(tx, |tx| sqlx::query(
             "UPDATE alarms SET acknowledged_us = $1, acknowledged_by = $2, acknowledged_reason = $3 \
@@ -132,7 +136,7 @@ async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &New
         .bind(action.alarm_id)
         .execute(&mut **tx)
         .await
-        .map(drop)),
+        .map(|done| done.rows_affected())),
         Said::Shelved { until_us } => on!(tx, |tx| sqlx::query(
             "INSERT INTO alarm_shelves (whisker_id, robot_id, kind, shelved_us, until_us, shelved_by, reason) \
              VALUES ($1, $2, $3, $4, $5, $6, $7)",
@@ -146,7 +150,7 @@ async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &New
         .bind(action.reason.as_deref().unwrap_or_default())
         .execute(&mut **tx)
         .await
-        .map(drop)),
+        .map(|done| done.rows_affected())),
         Said::Unshelved => on!(tx, |tx| sqlx::query(
             "UPDATE alarm_shelves SET until_us = $1 WHERE (whisker_id = $2 OR robot_id = $3) AND kind = $4 \
              AND until_us > $1",
@@ -157,6 +161,6 @@ async fn write(tx: &mut Tx<'_>, subject: &AlarmSubject, said: Said, action: &New
         .bind(&subject.kind)
         .execute(&mut **tx)
         .await
-        .map(drop)),
+        .map(|done| done.rows_affected())),
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::actions::{Asked, NewAction, mark_many, record_done};
 use super::alarms::Said;
-use super::database::{Tx, on};
+use super::database::{Either, Tx, on};
 use super::events::write::EventRow;
 use super::list::{Filter, Selection};
 use super::lists::alarms::{AlarmRow, AlarmSort, STANDING};
@@ -110,7 +110,9 @@ async fn write(tx: &mut Tx<'_>, alarms: &[AlarmRow], said: Said, action: &NewAct
         Said::Acknowledged => format!("alarm_id IN ({ids}) AND cleared_us IS NULL AND acknowledged_us IS NULL"),
         Said::Shelved { .. } | Said::Unshelved => format!("alarm_id IN ({ids}) AND cleared_us IS NULL"),
     };
-    let sql = format!("SELECT alarm_id FROM alarms WHERE {still}");
+    // Others may change these alarms at the same time; SQLite has one writer.
+    let lock = if matches!(tx, Either::Postgres(_)) { " FOR UPDATE" } else { "" };
+    let sql = format!("SELECT alarm_id FROM alarms WHERE {still} ORDER BY alarm_id{lock}");
     let changed: Vec<i64> =
         on!(&mut *tx, |tx| sqlx::query_scalar(sqlx::AssertSqlSafe(sql)).fetch_all(&mut **tx).await)?;
     let ids = among(changed.iter().copied());

@@ -266,7 +266,8 @@ export function alarmActions(alarm, done) {
     );
   if (alarm.state === "UNACKNOWLEDGED") add("acknowledge", { title: `Acknowledge ${name}`, ...ACKNOWLEDGE });
   if (alarm.state === "UNACKNOWLEDGED" || alarm.state === "ACKNOWLEDGED") add("shelve", shelve(name));
-  if (alarm.state === "SHELVED") add("unshelve", { title: `Unshelve ${name}`, ...UNSHELVE });
+  const isShelvedByPerson = alarm.state === "SHELVED" && alarm.maintenance_id === null;
+  if (isShelvedByPerson) add("unshelve", { title: `Unshelve ${name}`, ...UNSHELVE });
   return actions;
 }
 

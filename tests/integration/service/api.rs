@@ -187,6 +187,12 @@ async fn alarms_are_acknowledged_and_shelved_with_who_and_why() {
     assert_eq!((status, &action["kind"]), (200, &json!("ALARM_ACKNOWLEDGE")));
     assert_eq!(post(&running, &format!("{path}/acknowledge"), json!({})).await.0, 409, "once");
     assert_eq!(post(&running, &format!("{path}/unshelve"), json!({})).await.0, 409, "the alarm is not shelved");
+    // The console sends a key with each request.
+    for (one, key) in [("acknowledge", "a"), ("unshelve", "b")] {
+        let headers = [("Idempotency-Key", key)];
+        let answer = ask(&running, "POST", &format!("{path}/{one}"), &headers, Some(json!({}))).await;
+        assert_eq!(answer.status, 409, "{one}: {}", answer.body);
+    }
     let shelf = |until: &str| json!({ "until": until, "reason": "spare part on its way" });
     assert_eq!(post(&running, &format!("{path}/shelve"), shelf("2020-01-01T00:00:00Z")).await.0, 422);
     let until = vibrissa_protocol::Timestamp(vibrissa_simulator::clock::now_us() + 3_600_000_000).to_string();

@@ -92,9 +92,25 @@ async fn say(
     action.array.clone_from(&subject.array);
     action.whisker = subject.whisker;
     action.alarm_id = Some(at.alarm_id);
-    let action_id = number_of(app.store.say_to_alarm(&subject, said, &action).await?)?;
+    let Some(asked) = app.store.say_to_alarm(&subject, said, &action).await? else {
+        return Err(nothing_to_change(subject.acknowledged_by.as_deref(), said));
+    };
+    let action_id = number_of(asked)?;
     app.action_notifier.changed();
     answered(app, action_id, StatusCode::OK).await
+}
+
+fn nothing_to_change(acknowledged_by: Option<&str>, said: Said) -> Problem {
+    match said {
+        Said::Acknowledged => {
+            let by = acknowledged_by.unwrap_or("somebody");
+            Problem::new(Kind::Refused, format!("{by} has already acknowledged the alarm"))
+        }
+        Said::Shelved { .. } | Said::Unshelved => Problem::new(
+            Kind::Refused,
+            "no person has shelved the alarm: a maintenance ends by itself, or with POST /v1/maintenance/NUMBER/end",
+        ),
+    }
 }
 
 /// Acknowledge an alarm.
@@ -112,9 +128,6 @@ async fn acknowledge_alarm(
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Response, Problem> {
     let subject = subject(&app, &at, &asker).await?;
-    if let (Some(by), None) = (&subject.acknowledged_by, &asker.idempotency_key) {
-        return Err(Problem::new(Kind::Refused, format!("{by} has already acknowledged the alarm")));
-    }
     say(&app, &at, (asker, subject), Said::Acknowledged, why.reason).await
 }
 
@@ -152,12 +165,5 @@ async fn unshelve_alarm(
     OptionalBody(why): OptionalBody<Why>,
 ) -> Result<Response, Problem> {
     let subject = subject(&app, &at, &asker).await?;
-    let is_shelved = subject.shelved_until_us.is_some_and(|until_us| until_us > wall_clock().0 as i64);
-    if !is_shelved && asker.idempotency_key.is_none() {
-        return Err(Problem::new(
-            Kind::Refused,
-            "no person has shelved the alarm: a maintenance ends by itself, or with POST /v1/maintenance/NUMBER/end",
-        ));
-    }
     say(&app, &at, (asker, subject), Said::Unshelved, why.reason).await
 }
