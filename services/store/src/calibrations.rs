@@ -75,22 +75,24 @@ impl Store {
         const WHAT: &str = "store a calibration";
         const SQL: &str = "INSERT INTO calibrations (model, version, measurements, fit, calibration, uploaded_us, uploaded_by) \
              SELECT $1, COALESCE(max(version), 0) + 1, $2, $3, $4, $5, $6 FROM calibrations WHERE model = $1 \
-             RETURNING calibration_id";
+             ON CONFLICT (model, version) DO NOTHING RETURNING calibration_id";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
         let asked = record_done(&mut tx, action, action.asked_us).await?;
         let mut calibration_id = None;
         if let Asked::New(_) = asked {
-            let id: i64 = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
-                .bind(&new.model)
-                .bind(&new.measurements)
-                .bind(&new.fit)
-                .bind(&new.calibration)
-                .bind(action.asked_us)
-                .bind(&action.actor)
-                .fetch_one(&mut **tx)
-                .await)
-            .map_err(failed(WHAT))?;
-            calibration_id = Some(id);
+            // Somebody else may take the version at the same time.
+            while calibration_id.is_none() {
+                calibration_id = on!(&mut tx, |tx| sqlx::query_scalar(SQL)
+                    .bind(&new.model)
+                    .bind(&new.measurements)
+                    .bind(&new.fit)
+                    .bind(&new.calibration)
+                    .bind(action.asked_us)
+                    .bind(&action.actor)
+                    .fetch_optional(&mut **tx)
+                    .await)
+                .map_err(failed(WHAT))?;
+            }
         }
         tx.commit().await.map_err(failed(WHAT))?;
         Ok((asked, calibration_id))

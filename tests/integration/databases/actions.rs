@@ -1,9 +1,12 @@
 //! Operator actions with several supervisors on one PostgreSQL: sent to any of them, executed once by the owner.
 
+use std::collections::BTreeSet;
+
 use sqlx::postgres::PgConnection;
 use sqlx::{ConnectOptions, Row};
 use vibrissa_protocol::ArrayType;
 use vibrissa_store::actions::{Asked, NewAction};
+use vibrissa_store::calibrations::NewCalibration;
 use vibrissa_supervisor::mqtt::BrokerAddress;
 use vibrissa_supervisor::readiness::Standing;
 use vibrissa_supervisor::service::{Service, ServiceOptions};
@@ -137,4 +140,29 @@ async fn an_owner_that_loses_the_fleet_leaves_what_it_has_not_done_to_the_next_o
     assert_eq!(policies(&mut link).await, (10, 10, 10), "the first supervisor must not write afterwards");
     first.stop().await;
     second.stop().await;
+}
+
+/// Each one took the same next version, and all but one failed.
+#[tokio::test]
+async fn regress_calibrations_of_a_model_that_come_at_the_same_time_have_one_version_each() {
+    let database = crate::Fresh::postgres().await;
+    let uploads: Vec<_> = (0..8)
+        .map(|number| {
+            let store = database.store.clone();
+            tokio::spawn(async move {
+                let [model, measurements, fit] = ["m", "[]", "{}"].map(str::to_owned);
+                let new = NewCalibration { model, measurements, fit, calibration: number.to_string() };
+                store.add_calibration(&new, &asks("UPLOAD", "{}")).await.unwrap().1.unwrap()
+            })
+        })
+        .collect();
+    let mut ids = BTreeSet::new();
+    for upload in uploads {
+        ids.insert(upload.await.unwrap());
+    }
+    assert_eq!(ids.len(), 8);
+    let mut link = database.server.as_ref().unwrap().connect().connect().await.unwrap();
+    let versions: Vec<i64> =
+        sqlx::query_scalar("SELECT version FROM calibrations ORDER BY version").fetch_all(&mut link).await.unwrap();
+    assert_eq!(versions, (1..=8).collect::<Vec<i64>>());
 }
