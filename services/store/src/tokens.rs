@@ -64,7 +64,7 @@ fn audited(kind: RecordedKind, row: &TokenRow, now_us: i64) -> NewAction {
 }
 
 /// Most tokens of a list.
-const TOKENS_MAX: i64 = 1000;
+pub const TOKENS_MAX: i64 = 1000;
 
 impl Store {
     /// Stores a new token, and records it in the audit log.
@@ -109,16 +109,18 @@ impl Store {
         .map_err(failed("read a token"))
     }
 
-    /// All tokens, the newest first.
+    /// Tokens, those first that are valid at `now_us`, and of each kind the newest first; at most 1,000.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn tokens(&self) -> Result<Vec<TokenRow>, StoreError> {
+    pub async fn tokens(&self, now_us: i64) -> Result<Vec<TokenRow>, StoreError> {
         let rows = on!(&self.pool, |pool| sqlx::query_as(
             "SELECT token_id, name, role, fleets, secret_hash, created_us, created_by, expires_us, revoked_us \
-             FROM api_tokens ORDER BY created_us DESC, token_id LIMIT $1",
+             FROM api_tokens ORDER BY CASE WHEN revoked_us IS NULL AND expires_us > $2 THEN 0 ELSE 1 END, \
+             created_us DESC, token_id LIMIT $1",
         )
         .bind(TOKENS_MAX)
+        .bind(now_us)
         .fetch_all(pool)
         .await)
         .map_err(failed("list the tokens"))?;

@@ -139,7 +139,7 @@ async fn a_caller_learns_name_role_fleets_and_expiry() {
     assert_eq!([&root["actor"], &root["authentication"]], ["token_file", "TOKEN_FILE"]);
     let viewer = token(&served, Role::Viewer, Some(&["g", "f"]), HOUR_US).await;
     let me = asked(&served, "GET", "/v1/me", Some(&viewer)).await.json();
-    let row = served.store.tokens().await.unwrap().remove(0);
+    let row = served.store.tokens(now_us() as i64).await.unwrap().remove(0);
     assert_eq!(me["name"], row.name);
     assert_eq!(me["actor"], format!("token:{}#{}", row.name, row.token_id));
     assert_eq!(me["expires_at"], vibrissa_store::time::Time(row.expires_us).to_string());
@@ -174,7 +174,8 @@ async fn only_good_tokens_open() {
         );
         assert_eq!(answer.json()["type"], "/problems/unauthenticated");
     }
-    let secrets: Vec<Vec<u8>> = served.store.tokens().await.unwrap().into_iter().map(|row| row.secret_hash).collect();
+    let secrets: Vec<Vec<u8>> =
+        served.store.tokens(now_us() as i64).await.unwrap().into_iter().map(|row| row.secret_hash).collect();
     assert!(secrets.iter().all(|hash| hash.len() == 32 && !good.as_bytes().windows(32).any(|part| part == hash)));
 }
 

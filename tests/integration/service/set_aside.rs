@@ -203,7 +203,7 @@ async fn the_database_goes_on(address: &DatabaseAddress) {
     assert_eq!(store.webhook(id).await.unwrap().unwrap().lost, 1);
     assert_eq!(store.maintenance().await.unwrap().len(), 2);
     store.tell_after_maintenance(2).await.unwrap();
-    assert_eq!(store.tokens().await.unwrap().len(), 0);
+    assert_eq!(store.tokens(0).await.unwrap().len(), 0);
     assert_eq!(store.credential_hashes(1, 9).await.unwrap(), [[0; 32]]);
     let events = store.events_after(Position::default()).await.unwrap();
     let newest: Vec<Option<&str>> =

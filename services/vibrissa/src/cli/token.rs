@@ -14,6 +14,7 @@ use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::fleets::FleetPattern;
 use vibrissa_store::Store;
 use vibrissa_store::time::Time;
+use vibrissa_store::tokens::TOKENS_MAX;
 use vibrissa_supervisor::http::access::token::{self, NewToken};
 use vibrissa_supervisor::http::access::{Role, Scope};
 
@@ -138,8 +139,12 @@ async fn create(args: &CreateArgs, out: &mut impl Write) -> anyhow::Result<()> {
 
 async fn list(args: &ListArgs, out: &mut impl Write) -> anyhow::Result<()> {
     let store = open(&args.database).await?;
-    let tokens = store.tokens().await?;
+    let now_us = wall_clock().0 as i64;
+    let tokens = store.tokens(now_us).await?;
     store.close().await;
+    if tokens.len() as i64 == TOKENS_MAX {
+        eprintln!("only {TOKENS_MAX} tokens are listed: the valid ones first, then the newest");
+    }
     if args.json {
         let rows: Vec<_> = tokens
             .iter()
@@ -156,7 +161,6 @@ async fn list(args: &ListArgs, out: &mut impl Write) -> anyhow::Result<()> {
         return Ok(());
     }
     let mut table = Table::new(["TOKEN", "NAME", "ROLE", "FLEETS", "CREATED", "STATE"]);
-    let now_us = wall_clock().0 as i64;
     for row in tokens {
         let state = match row.revoked_us {
             Some(revoked_us) => format!("revoked {}", Time(revoked_us)),

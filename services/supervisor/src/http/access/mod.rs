@@ -107,7 +107,7 @@ impl Access {
         self.is_open
             || self.token.is_some()
             || self.oidc.is_some()
-            || store.tokens().await.map_or(true, |tokens| {
+            || store.tokens(now_us).await.map_or(true, |tokens| {
                 tokens.iter().any(|token| token.revoked_us.is_none() && token.expires_us > now_us)
             })
     }
