@@ -232,6 +232,17 @@ impl Store {
             .map_err(failed("read the archive's position"))
     }
 
+    /// The fleet whose archive is furthest behind, and the time of receipt up to which its contacts are archived, µs since 1970
+    /// UTC. `None` without an archive.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn last_archive(&self) -> Result<Option<(String, i64)>, StoreError> {
+        const SQL: &str = "SELECT fleet, archived_to_us FROM archives ORDER BY archived_to_us, fleet LIMIT 1";
+        on!(&self.pool, |pool| sqlx::query_as(SQL).fetch_optional(pool).await)
+            .map_err(failed("read the archive's position"))
+    }
+
     /// Time of receipt up to which a fleet's contacts are archived, µs since 1970 UTC; `None` without an archive.
     ///
     /// # Errors

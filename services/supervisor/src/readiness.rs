@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use serde::Serialize;
 use tokio::time::Instant;
-use vibrissa_host::task;
 use vibrissa_protocol::Name;
 
 use crate::mqtt::{BrokerLink, NodesInUse};
@@ -23,12 +22,20 @@ pub struct Readiness(Arc<Mutex<Parts>>);
 #[derive(Debug, Default)]
 struct Parts {
     problems: BTreeMap<String, String>,
-    notices: BTreeMap<String, String>,
+    notices: BTreeMap<String, Notice>,
     rows: SetAside,
     fleets: BTreeMap<Name, Standing>,
     links: BTreeMap<Name, (BrokerLink, Promises)>,
     /// Time of the last answer of the database, by the renewal of the leases; `None` before the first.
     answered: Option<Instant>,
+}
+
+/// A finding that people must know.
+#[derive(Debug)]
+struct Notice {
+    text: String,
+    /// Time from which on it is no longer told; `None` until it is cleared.
+    until: Option<Instant>,
 }
 
 /// This supervisor's role in a fleet.
@@ -70,18 +77,29 @@ impl Readiness {
 
     /// Sets a finding about a part of a fleet's supervision that people must know although it works; `None` clears it.
     pub(crate) fn notice_of(&self, fleet: &Name, part: &str, notice: Option<String>) {
-        let (part, mut parts) = (format!("{}{part}", prefix(fleet)), self.parts());
+        let notice = notice.map(|notice| format!("fleet {fleet}: {notice}"));
+        self.notice(&format!("{}{part}", prefix(fleet)), notice);
+    }
+
+    /// The same about a part of the service.
+    pub(crate) fn notice(&self, part: &str, notice: Option<String>) {
+        self.tell(part, notice, None);
+    }
+
+    fn tell(&self, part: &str, notice: Option<String>, until: Option<Instant>) {
+        let mut parts = self.parts();
         match notice {
-            Some(notice) => drop(parts.notices.insert(part, format!("fleet {fleet}: {notice}"))),
-            None => drop(parts.notices.remove(&part)),
+            Some(text) => drop(parts.notices.insert(part.to_owned(), Notice { text, until })),
+            None => drop(parts.notices.remove(part)),
         }
     }
 
     /// Findings that people must know although the service works.
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
-        let parts = self.parts();
-        parts.notices.values().cloned().chain(parts.rows.notices()).collect()
+        let (parts, now) = (self.parts(), Instant::now());
+        let told = parts.notices.values().filter(|notice| notice.until.is_none_or(|until| now < until));
+        told.map(|notice| notice.text.clone()).chain(parts.rows.notices()).collect()
     }
 
     /// Includes the database's rows that cannot be read among the findings.
@@ -90,13 +108,9 @@ impl Readiness {
     }
 
     /// Names unreadable items of a fleet, which were set aside, for a while.
-    pub(crate) fn tell_set_aside(&self, fleet: &Name, part: &'static str, what: String) {
-        self.notice_of(fleet, part, Some(what));
-        let (readiness, fleet) = (self.clone(), fleet.clone());
-        task::spawn(async move {
-            tokio::time::sleep(SET_ASIDE_TOLD).await;
-            readiness.notice_of(&fleet, part, None);
-        });
+    pub(crate) fn tell_set_aside(&self, fleet: &Name, part: &'static str, what: &str) {
+        let (part, notice) = (format!("{}{part}", prefix(fleet)), format!("fleet {fleet}: {what}"));
+        self.tell(&part, Some(notice), Some(Instant::now() + SET_ASIDE_TOLD));
     }
 
     /// Registers the link and the promises of a fleet, whose problems are then included.
@@ -171,11 +185,18 @@ fn prefix(fleet: &Name) -> String {
 mod tests {
     use super::*;
 
-    #[tokio::test]
-    async fn what_is_set_aside_is_named() {
+    /// The time of the first notice ended the second one.
+    #[tokio::test(start_paused = true)]
+    async fn regress_what_is_set_aside_is_named_for_its_time() {
         let (readiness, fleet) = (Readiness::default(), Name::new("f").unwrap());
-        readiness.tell_set_aside(&fleet, "stored", "3 items".to_owned());
+        readiness.tell_set_aside(&fleet, "stored", "3 items");
+        tokio::time::advance(SET_ASIDE_TOLD - Duration::from_secs(1)).await;
         assert_eq!(readiness.notices(), ["fleet f: 3 items"]);
+        readiness.tell_set_aside(&fleet, "stored", "4 items");
+        tokio::time::advance(Duration::from_secs(2)).await;
+        assert_eq!(readiness.notices(), ["fleet f: 4 items"]);
+        tokio::time::advance(SET_ASIDE_TOLD).await;
+        assert!(readiness.notices().is_empty());
     }
 
     #[test]

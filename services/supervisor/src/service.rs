@@ -226,7 +226,8 @@ impl Service {
         let (retention, hold_back) = (options.history.retention, supervision.hold_back.clone());
         let tasks = &mut supervision.database_tasks;
         task::spawn_in(tasks, forget_events(store.clone(), hold_back.clone(), stopped.clone()));
-        let upkeep = upkeep::run(store.clone(), (retention, hold_back), archived, metrics.clone(), stopped.clone());
+        let told = (metrics.clone(), readiness.clone());
+        let upkeep = upkeep::run(store.clone(), (retention, hold_back), archived, told, stopped.clone());
         task::spawn_in(tasks, upkeep);
         task::spawn_in(tasks, replication::watch(store.clone(), metrics.clone(), stopped.clone()));
         let webhooks = task::spawn(webhooks.run(stopped));

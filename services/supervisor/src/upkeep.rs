@@ -2,12 +2,14 @@
 
 use crate::clocks::HoldBack;
 use crate::metrics::Metrics;
+use crate::readiness::Readiness;
 use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::{debug, info, warn};
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_protocol::Name;
 use vibrissa_store::retention::{Done, Retention};
+use vibrissa_store::time::Time;
 use vibrissa_store::{Store, StoreError};
 
 /// Interval between rounds of upkeep.
@@ -17,6 +19,11 @@ const AGAIN: Duration = Duration::from_secs(300);
 /// Pause between deletions of pieces of old rows.
 const PAUSE: Duration = Duration::from_millis(400);
 
+/// An archive that is so far behind has stopped, µs: an alert tells of two hours.
+const STOPPED_US: i64 = 86_400_000_000;
+/// Part of the readiness that names an archive which has stopped.
+const ARCHIVE: &str = "archive";
+
 /// Runs upkeep until the service stops.
 ///
 /// Contacts of the fleets `archived` are not deleted before they are archived.
@@ -24,11 +31,11 @@ pub(crate) async fn run(
     store: Store,
     (retention, hold_back): (Retention, HoldBack),
     archived: Vec<Name>,
-    metrics: Metrics,
+    (metrics, readiness): (Metrics, Readiness),
     mut stop: watch::Receiver<bool>,
 ) {
     loop {
-        let round = look_after(&store, (retention, &hold_back), &archived, &metrics);
+        let round = look_after(&store, (retention, &hold_back), &archived, (&metrics, &readiness));
         let pause = match store.with_leader(round).await {
             Ok(true) => PAUSE,
             Ok(false) => {
@@ -51,15 +58,33 @@ async fn look_after(
     store: &Store,
     (retention, hold_back): (Retention, &HoldBack),
     archived: &[Name],
-    metrics: &Metrics,
+    (metrics, readiness): (&Metrics, &Readiness),
 ) -> Result<bool, StoreError> {
     let now_us = wall_clock().0 as i64;
     store.begin_archives(archived, now_us).await?;
+    note_stopped(readiness, store.last_archive().await?, now_us);
     let mut note = |done| note_done(&done, metrics);
     store.make_partitions(now_us, &mut note).await?;
     let old_by_us = hold_back.old_by_us(now_us);
     let is_more = store.look_after(retention, old_by_us, &mut note).await?;
     Ok(store.forget_announced(old_by_us, &mut note).await? || is_more)
+}
+
+/// Tells people of an archive that has stopped, as that of a fleet which no supervisor has any more: contacts of all fleets stay in
+/// the database.
+fn note_stopped(readiness: &Readiness, last: Option<(String, i64)>, now_us: i64) {
+    let stopped = last.filter(|(_, archived_us)| now_us - archived_us > STOPPED_US);
+    let notice = stopped.map(|(fleet, archived_us)| {
+        format!(
+            "the archive of fleet {fleet} stands at {}, so the contacts of all fleets since then stay in the database: start a \
+             supervisor of this fleet with archive.url, or end its archive (docs/archive.md, End an archive)",
+            Time(archived_us)
+        )
+    });
+    if let Some(notice) = &notice {
+        warn!("{notice}");
+    }
+    readiness.notice(ARCHIVE, notice);
 }
 
 fn note_done(done: &Done, metrics: &Metrics) {
@@ -74,5 +99,23 @@ fn note_done(done: &Done, metrics: &Metrics) {
             metrics.old_rows_removed.inc_by(*rows);
             debug!(table, rows, "old rows deleted");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nothing told of it: the supervisor that would has no such fleet.
+    #[test]
+    fn regress_an_archive_that_has_stopped_is_named_until_it_goes_on() {
+        let (readiness, now_us) = (Readiness::default(), 1_800_000_000_000_000);
+        note_stopped(&readiness, Some(("gone".to_owned(), now_us - STOPPED_US - 1)), now_us);
+        let notices = readiness.notices();
+        assert!(notices[0].starts_with("the archive of fleet gone stands at 2027-01-14T08:00:00"), "{notices:?}");
+        note_stopped(&readiness, Some(("lab".to_owned(), now_us - STOPPED_US)), now_us);
+        assert!(readiness.notices().is_empty());
+        note_stopped(&readiness, None, now_us);
+        assert!(readiness.notices().is_empty());
     }
 }

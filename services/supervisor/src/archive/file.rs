@@ -2,6 +2,7 @@
 
 use object_store::buffered::BufWriter;
 use tokio::io::AsyncWriteExt as _;
+use tracing::warn;
 use vibrissa_store::archive::Archived;
 use vibrissa_store::export::{Cell, ExportColumn};
 
@@ -48,6 +49,13 @@ impl File {
         self.object.shutdown().await?;
         objects.settle(&self.path).await?;
         Ok(self.written)
+    }
+
+    /// Removes the parts that are at the object store already. One that fails leaves them to a rule of the bucket.
+    pub(super) async fn abort(mut self) {
+        if let Err(problem) = self.object.abort().await {
+            warn!(path = self.path, %problem, "cannot abort an incomplete upload to the archive");
+        }
     }
 
     /// Sends what the writer has produced, if that is so much.

@@ -115,12 +115,18 @@ impl Archive {
             }
             anyhow::Ok(())
         };
-        tokio::try_join!(reading, writing)?;
+        if let Err(problem) = tokio::try_join!(reading, writing) {
+            file.abort().await;
+            return Err(problem);
+        }
         if file.contacts() == 0 {
             return Ok(Archived::default());
         }
         // Otherwise another supervisor has archived the span, and some of its contacts may have been deleted meanwhile.
-        anyhow::ensure!(writer.is_archive_planned(lease, span).await?, "another supervisor has archived this span");
+        if !writer.is_archive_planned(lease, span).await? {
+            file.abort().await;
+            anyhow::bail!("another supervisor has archived this span");
+        }
         file.complete(&self.objects).await
     }
 }

@@ -135,6 +135,6 @@ impl Engine {
         let what =
             format!("messages of robot {robot} are refused ({topic}, {reason}): {problem}. Its page counts them");
         self.refusals_told_from = now + SET_ASIDE_TOLD;
-        self.readiness.tell_set_aside(&self.fleet, REFUSED, what);
+        self.readiness.tell_set_aside(&self.fleet, REFUSED, &what);
     }
 }

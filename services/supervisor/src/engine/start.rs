@@ -135,7 +135,7 @@ impl EngineOptions {
         let set_aside = unreadable_policies + unusable + unreadable_rollouts + workers.set_aside() + of_log;
         if set_aside > 0 {
             let what = format!("{set_aside} stored items cannot be read and are set aside: see the log");
-            readiness.tell_set_aside(lease.fleet(), STORED, what);
+            readiness.tell_set_aside(lease.fleet(), STORED, &what);
         }
         readiness.notice_of(lease.fleet(), NEWER, workers.left_to_newer_program());
         // Also without an archive here: the last owner may have had one.

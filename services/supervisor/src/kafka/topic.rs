@@ -82,7 +82,7 @@ impl FleetTopic {
         );
         self.set_aside.fetch_add(to.abs_diff(from), Ordering::Relaxed);
         self.metrics.set_aside(Reader::Log, to.abs_diff(from));
-        self.readiness.tell_set_aside(&self.fleet, PART, problem);
+        self.readiness.tell_set_aside(&self.fleet, PART, &problem);
     }
 
     /// The message of a record.
