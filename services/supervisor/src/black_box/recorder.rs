@@ -105,7 +105,7 @@ impl Recorder {
         let span = self.inner.span;
         if self.open.as_ref().is_some_and(|open| at > open.ends) {
             self.write(whose, at, true);
-            self.open = None;
+            self.close();
         }
         match &mut self.open {
             Some(open) => {
@@ -136,9 +136,7 @@ impl Recorder {
         let Some(open) = &self.open else { return };
         if now > open.ends {
             if self.write(whose, now, true) || now > open_end(&self.open).after(PATIENCE) {
-                if self.open.take().is_some_and(|open| open.is_due) {
-                    self.boxes.lost.inc();
-                }
+                self.close();
                 self.reel.forget_old(now, self.inner.limits());
             }
         } else if open.is_due && now >= open.written.after(WRITE_PAUSE) {
@@ -150,7 +148,14 @@ impl Recorder {
     pub(crate) fn end(&mut self, whose: Whose<'_>, now: Micros) {
         if self.open.is_some() {
             self.write(whose, now, true);
-            self.open = None;
+            self.close();
+        }
+    }
+
+    /// Closes the open box, and counts it as lost if the writer did not take its end.
+    fn close(&mut self) {
+        if self.open.take().is_some_and(|open| open.is_due) {
+            self.boxes.lost.inc();
         }
     }
 

@@ -49,7 +49,7 @@ pub(super) struct Reel {
     base: [Option<Vec<u8>>; 2],
     /// Time at which a state was last due.
     state_at: Micros,
-    /// Bytes that were put on the tape since then, with the state itself.
+    /// Bytes of the messages that were put on the tape since then.
     since_state: usize,
     /// The last state was small enough for the tape.
     states_fit: bool,
@@ -125,8 +125,11 @@ impl Reel {
             self.from = self.from.max(at);
         }
         self.tape.push(at, kind, payload);
-        self.lacks_state &= kind != EntryKind::State;
-        self.since_state += Tape::bytes_of(payload.len());
+        if kind == EntryKind::State {
+            self.lacks_state = false;
+        } else {
+            self.since_state += Tape::bytes_of(payload.len());
+        }
     }
 
     /// Leaves out an entry that is larger than the memory for it. After a message the tape begins anew.
@@ -201,7 +204,7 @@ impl Reel {
         self.from = next.unwrap_or(self.from);
     }
 
-    /// Whether the robot's state is due. If nothing was put on the tape, the state has hardly changed. A state that was
+    /// Whether the robot's state is due. If no message was put on the tape, the state has hardly changed. A state that was
     /// too large is encoded again only after a span, because that costs as much as many messages.
     pub(super) fn is_state_due(&self, now: Micros, limits: Limits) -> bool {
         let passed = now.since(self.state_at);
@@ -268,6 +271,20 @@ mod tests {
             }
         }
         assert_eq!(tried, [1, 61, 121]);
+    }
+
+    /// The state itself counted as a reason for the next one, so that a large one filled the tape.
+    #[test]
+    fn regress_a_state_alone_makes_no_other_state_due() {
+        let mut reel = Reel::new(seconds(0), seconds(0));
+        reel.push(seconds(1), CONTACTS, &[b' '; 50], LIMITS);
+        assert!(reel.is_state_due(seconds(61), LIMITS) && reel.takes_state(seconds(61), 20_000, LIMITS));
+        reel.push(seconds(61), EntryKind::State, &[0; 20_000], LIMITS);
+        for at in 62..300 {
+            assert!(!reel.is_state_due(seconds(at), LIMITS), "{at} s");
+        }
+        reel.push(seconds(300), CONTACTS, &[b' '; 50], LIMITS);
+        assert!(reel.is_state_due(seconds(300), LIMITS));
     }
 
     #[test]
