@@ -283,6 +283,7 @@ async fn run(
     let losses = Losses::default();
     let mut publisher = mqtt::publish(connection, metrics.clone(), publications, losses.clone());
     let (cut_off, cutting_off) = watch::channel(false);
+    let (fleet, of_fleet) = (connection.fleet.clone(), metrics.clone());
     // Receiver and engine share a thread, so that a message of a quiet fleet wakes only one.
     let working = async move {
         // Ends with the engine.
@@ -293,11 +294,18 @@ async fn run(
             task::spawn_in(&mut beside, log.run(from, sender));
             batches
         });
-        engine.run((inbox, batches), outbox, losses).await
+        let ending = engine.run((inbox, batches), outbox, losses).await;
+        while let Some(ended) = beside.try_join_next() {
+            note_panic(ended.err().as_ref(), "receiver", &fleet, &of_fleet);
+        }
+        ending
     };
     let mut engine = place.spawn(working, cutting_off);
+    let mut published = None;
     tokio::select! {
         () = stopped(&mut stop) => {}
+        // It ends after the engine: otherwise no setpoint would leave any more, and nobody would notice.
+        ended = &mut publisher => published = Some(ended),
         ended = &mut engine => {
             if let Ok(Some(Ending::LeaseLost)) = ended {
                 warn!(fleet = %connection.fleet, epoch = connection.epoch, "fleet lease lost to another supervisor");
@@ -313,7 +321,10 @@ async fn run(
         note_panic(problem.as_ref(), "engine", &connection.fleet, metrics);
         let _ = cut_off.send(true);
     }
-    let problem = end_by(deadline, "publisher", &mut publisher).await;
+    let problem = match published {
+        Some(ended) => ended.err(),
+        None => end_by(deadline, "publisher", &mut publisher).await,
+    };
     note_panic(problem.as_ref(), "publisher", &connection.fleet, metrics);
 }
 

@@ -184,7 +184,8 @@ impl Engine {
                 written = self.pipeline.written() => Cause::Written(Box::new(written)),
                 () = async { sleep_until(due.unwrap_or_else(Instant::now)).await }, if due.is_some() => Cause::CommitDue,
                 count = inbox.recv_many(&mut messages, MESSAGES_AT_A_TIME), if has_room => Cause::Messages(count),
-                Some(batch) = next_batch(&mut log), if has_room => Cause::Log(batch),
+                // The reader of the log ends before the engine only by a panic: then the fleet is taken up anew.
+                batch = next_batch(&mut log), if has_room => batch.map_or(Cause::Messages(0), Cause::Log),
                 _ = ticks.tick() => Cause::Tick,
                 () = action_sent.notified() => Cause::Action,
                 _ = receipts.tick(), if !are_few => Cause::Receipts,
@@ -406,13 +407,10 @@ fn every(period: Duration) -> Interval {
 
 /// The next records of the log; waits for ever without a log. Cancel safe.
 async fn next_batch(log: &mut Option<mpsc::Receiver<LogBatch>>) -> Option<LogBatch> {
-    let Some(batches) = log else { return pending().await };
-    let batch = batches.recv().await;
-    if batch.is_none() {
-        // The reader has ended, because supervision ends.
-        *log = None;
+    match log {
+        Some(batches) => batches.recv().await,
+        None => pending().await,
     }
-    batch
 }
 
 /// Time for the core: not later than the receipt of the oldest message that waits.

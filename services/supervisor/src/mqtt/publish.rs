@@ -224,7 +224,9 @@ async fn keep_up(
                 attempts.reset();
                 note_connected(&connection, &metrics);
             }
-            Ok(Event::Outgoing(Outgoing::Disconnect)) | Err(Failure::Finished) => return,
+            // The client also disconnects when it refuses the broker's packets. That end is an error of the next poll.
+            Ok(Event::Outgoing(Outgoing::Disconnect)) if flags.leaving.load(Ordering::Relaxed) => return,
+            Err(Failure::Finished) => return,
             Ok(Event::Incoming(_) | Event::Outgoing(_) | Event::Auth(_)) => {}
             Err(Failure::Broken(problem)) => {
                 connected.send_replace(false);
