@@ -33,16 +33,20 @@ pub(super) fn policy(reader: &mut Reader) -> Option<PolicyParams> {
 }
 
 /// The policy `base`, overridden by the keys in the file. `path` names the file in problems, `text` is its content. The
-/// mode stays that of `base`, even if the file has the key `mode`.
+/// mode stays that of `base`.
 ///
 /// # Errors
-/// All problems of the file. Keys of other sections are refused.
+/// All problems of the file. Keys of other sections and the key `mode` are refused.
 pub fn policy_over(base: PolicyParams, path: PathBuf, text: String) -> Result<PolicyParams, Problems> {
     let sources = Sources { file: Some((path, text)), ..Sources::default() };
     let mut reader = Reader::new(Layers::new(&sources));
     let others = Key::ALL.iter().copied().filter(|key| key.section().0 != Some(SECTION));
     for key in others.filter(|&key| reader.is_explicit(key)).collect::<Vec<_>>() {
         reader.refuse(key, "is not a policy key: only keys of [policy] are compared");
+    }
+    if reader.is_explicit(Key::PolicyMode) {
+        reader
+            .refuse(Key::PolicyMode, "is not compared: both policies have the mode of the configuration; leave it out");
     }
     let mut policy = base;
     if reader.is_explicit(Key::PolicyObjective)
@@ -93,8 +97,11 @@ mod tests {
 
     #[test]
     fn keys_of_other_sections_and_wrong_values_are_refused_with_their_names() {
-        let problems = over("fleets = [\"f\"]\n[policy]\nobjective = \"best\"\nmargin = 1").unwrap_err().to_string();
-        for part in ["fleets (file other.toml): is not a policy key", "policy.objective", "policy.margin"] {
+        let problems = over("fleets = [\"f\"]\n[policy]\nmode = \"advise\"\nobjective = \"best\"\nmargin = 1")
+            .unwrap_err()
+            .to_string();
+        let mode = "policy.mode (file other.toml): is not compared";
+        for part in ["fleets (file other.toml): is not a policy key", mode, "policy.objective", "policy.margin"] {
             assert!(problems.contains(part), "{problems}");
         }
     }

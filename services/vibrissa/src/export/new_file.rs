@@ -1,7 +1,7 @@
 //! A new file that exists under its name only when it is complete.
 
 use std::fs::{self, File};
-use std::io::{BufWriter, Seek, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -34,36 +34,47 @@ impl NewFile {
         Ok(Self { file: Some(BufWriter::new(file)), partial, path: path.to_owned() })
     }
 
-    fn file(&mut self) -> std::io::Result<&mut BufWriter<File>> {
-        self.file.as_mut().ok_or_else(|| std::io::Error::other("the file is complete"))
+    fn file(&mut self) -> io::Result<&mut BufWriter<File>> {
+        self.file.as_mut().ok_or_else(|| io::Error::other("the file is complete"))
     }
 
     /// Gives the file its name after all of its content is on the disk.
     ///
     /// # Errors
-    /// The file cannot be written, a file of that name was created meanwhile, or the file system has no hard links.
+    /// The file cannot be written, or a file of that name was created meanwhile.
     pub fn complete(mut self) -> anyhow::Result<()> {
         let failed = || format!("cannot write {}", self.path.display());
         let file = self.file.take().context("the file is complete")?;
         let file = file.into_inner().map_err(|problem| problem.into_error()).with_context(failed)?;
         file.sync_all().with_context(failed)?;
-        // Unlike a renaming, a link never replaces another file.
-        fs::hard_link(&self.partial, &self.path).with_context(failed)
+        name(&self.partial, &self.path, fs::hard_link(&self.partial, &self.path)).with_context(failed)
+    }
+}
+
+/// Gives a file its name, if the attempt to `link` it failed for want of hard links, as on FAT. Unlike a renaming, neither a link
+/// nor a new file ever replaces another file.
+fn name(partial: &Path, path: &Path, link: io::Result<()>) -> io::Result<()> {
+    match link {
+        Err(problem) if problem.kind() != io::ErrorKind::AlreadyExists => {
+            File::create_new(path)?;
+            fs::rename(partial, path)
+        }
+        linked => linked,
     }
 }
 
 impl Write for NewFile {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.file()?.write(bytes)
     }
 
-    fn flush(&mut self) -> std::io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
         self.file()?.flush()
     }
 }
 
 impl Seek for NewFile {
-    fn seek(&mut self, position: std::io::SeekFrom) -> std::io::Result<u64> {
+    fn seek(&mut self, position: io::SeekFrom) -> io::Result<u64> {
         self.file()?.seek(position)
     }
 }
@@ -96,6 +107,15 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"whole");
         assert_eq!(names(), ["rows.csv"]);
         assert!(NewFile::create(&path).unwrap_err().to_string().contains("exists already"));
+
+        // A file system without hard links.
+        let (partial, other) = (folder.join("partial"), folder.join("other.csv"));
+        let no_links = || Err(io::ErrorKind::PermissionDenied.into());
+        fs::write(&partial, b"more").unwrap();
+        assert_eq!(name(&partial, &path, no_links()).unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        name(&partial, &other, no_links()).unwrap();
+        assert_eq!((fs::read(&other).unwrap(), fs::read(&path).unwrap()), (b"more".to_vec(), b"whole".to_vec()));
+        assert!(!partial.exists());
         fs::remove_dir_all(&folder).unwrap();
     }
 }
