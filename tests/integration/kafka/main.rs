@@ -1,6 +1,7 @@
 //! The partitioned log with brokers of Apache Kafka.
 
 mod bridge;
+mod iceberg;
 mod ingested;
 mod left_out;
 mod model;

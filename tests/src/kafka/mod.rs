@@ -321,6 +321,7 @@ fn launch(home: &Path, folder: &Path, at: usize, nodes: &[Node]) -> Launch {
              listeners=PLAINTEXT://{host}:{clients},CONTROLLER://{host}:{votes}{}\n\
              controller.listener.names=CONTROLLER\nlog.dirs={}\nauto.create.topics.enable=false\n\
              offsets.topic.replication.factor={copies}\nmin.insync.replicas={in_sync}\n\
+             transaction.state.log.replication.factor={copies}\ntransaction.state.log.min.isr={in_sync}\n\
              broker.session.timeout.ms=3000\nbroker.heartbeat.interval.ms=500\n\
              controller.quorum.election.timeout.ms=1000\ncontroller.quorum.fetch.timeout.ms=2000\n{}",
             secured.as_ref().map(|(port, _)| format!(",SECURED://{host}:{port}")).unwrap_or_default(),
