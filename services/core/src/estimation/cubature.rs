@@ -2,48 +2,28 @@
 //! question has the same answer every time.
 
 use std::borrow::Cow;
+use std::sync::OnceLock;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Default number of cases.
 pub const CASES: u32 = 400;
 
-/// Numbers of variables in predictions, pressure reviews and measurements: their cases are precomputed.
-const USUAL: [usize; 4] = [7, 9, 12, 14];
+/// The first [`CASES`] cases by the number of variables, each made at its first use: quantiles of the normal distribution
+/// take longer than all other work on a case.
+static TABLES: [OnceLock<Vec<f64>>; 32] = [const { OnceLock::new() }; 32];
 
-/// Precomputed cases: quantiles of the normal distribution take longer than all other work on a case.
-#[derive(Debug, Clone)]
-pub struct CubatureCases {
-    tables: Vec<Table>,
-}
-
-/// The first [`CASES`] cases for a number of variables.
-#[derive(Debug, Clone)]
-struct Table {
-    causes: usize,
-    amounts: Vec<f64>,
-}
-
-impl Default for CubatureCases {
-    fn default() -> Self {
-        let table = |causes| Table { causes, amounts: amounts(causes, CASES) };
-        Self { tables: USUAL.map(table).into() }
+/// The cases in order, each as the values of all variables in standard deviations. Empty if `causes` is 0.
+#[must_use]
+pub fn amounts(causes: usize, count: u32) -> Cow<'static, [f64]> {
+    let table = TABLES.get(causes).filter(|_| count <= CASES);
+    match table.and_then(|table| table.get_or_init(|| quantiles(causes, CASES)).get(..causes * count as usize)) {
+        Some(amounts) => Cow::Borrowed(amounts),
+        None => Cow::Owned(quantiles(causes, count)),
     }
 }
 
-impl CubatureCases {
-    /// The cases in order, each as the values of all variables in standard deviations. Empty if `causes` is 0.
-    #[must_use]
-    pub fn amounts(&self, causes: usize, count: u32) -> Cow<'_, [f64]> {
-        let known = self.tables.iter().find(|table| table.causes == causes);
-        match known.and_then(|table| table.amounts.get(..causes * count as usize)) {
-            Some(amounts) => Cow::Borrowed(amounts),
-            None => Cow::Owned(amounts(causes, count)),
-        }
-    }
-}
-
-fn amounts(causes: usize, count: u32) -> Vec<f64> {
+fn quantiles(causes: usize, count: u32) -> Vec<f64> {
     let steps = evenly_spread(causes);
     let normal = Normal::standard();
     let amount = |case: u32, step: f64| {
@@ -66,12 +46,11 @@ mod tests {
 
     #[test]
     fn what_was_worked_out_is_what_would_be() {
-        let cases = CubatureCases::default();
-        for (causes, count) in [(0, 400), (1, 400), (7, 16), (9, 400), (12, 127), (14, 401)] {
-            let found = cases.amounts(causes, count);
-            assert_eq!(*found, amounts(causes, count), "{causes} {count}");
+        for (causes, count) in [(0, 400), (1, 400), (7, 16), (10, 400), (13, 127), (14, 401), (32, 16)] {
+            let found = amounts(causes, count);
+            assert_eq!(*found, quantiles(causes, count), "{causes} {count}");
             assert_eq!(found.len(), causes * count as usize);
-            assert_eq!(matches!(found, Cow::Borrowed(_)), USUAL.contains(&causes) && count <= CASES);
+            assert_eq!(matches!(found, Cow::Borrowed(_)), causes < 32 && count <= CASES);
         }
     }
 }

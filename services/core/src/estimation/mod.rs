@@ -35,7 +35,6 @@ pub mod trend;
 pub mod uncertainty;
 
 pub use bins::{Bin, ResponseBins, Waiting};
-pub use cubature::CubatureCases;
 pub use erosion::{ContactsLeft, Erosion, ErosionWatch};
 pub use filter::{Innovation, LengthEstimate, LengthFilter};
 pub use gain_walk::GainWalks;

@@ -4,7 +4,7 @@
 //! perfect match the error can only be larger than it seems. Instead a fixed, evenly spread set of equally likely
 //! cases is evaluated: no randomness, and the same answer every time.
 
-use super::cubature::{CASES, CubatureCases};
+use super::cubature::{self, CASES};
 use super::exponential::exp;
 use crate::mechanics::{CONTACT_RATIOS, ErrorProfile, RatioWeights};
 
@@ -37,14 +37,14 @@ impl<const N: usize> Uncertain<N> {
     }
 
     /// Evaluates `of` on each of the equally likely cases.
-    pub fn cases<T>(&self, even: &CubatureCases, of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
-        self.some_cases(even, CASES, of)
+    pub fn cases<T>(&self, of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+        self.some_cases(CASES, of)
     }
 
     /// Evaluates `of` on the first `count` cases. With fewer than about forty, [`interval95`] spans the extremes.
-    pub fn some_cases<T>(&self, even: &CubatureCases, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
+    pub fn some_cases<T>(&self, count: u32, mut of: impl FnMut(&[Curve; N]) -> T) -> Vec<T> {
         let causes = self.causes.len();
-        let amounts = even.amounts(causes, count);
+        let amounts = cubature::amounts(causes, count);
         let moving: [Vec<(usize, Curve)>; N] = std::array::from_fn(|response| {
             let curves = self.causes.iter().map(|cause| cause[response]).enumerate();
             curves.filter(|(_, curve)| *curve != STILL).collect()
@@ -101,7 +101,7 @@ mod tests {
         let mut one = Uncertain { mean: [flat(1.0), flat(2.0)], causes: Vec::new() };
         one.moves(&[flat(0.3)], &[0, 1]);
         one.moves(&[flat(0.4), flat(0.0)], &[1]);
-        let cases = one.cases(&CubatureCases::default(), |[a, b]| (a[3], b[7]));
+        let cases = one.cases(|[a, b]| (a[3], b[7]));
         let (mean_a, sd_a) = moments(&cases.iter().map(|case| case.0).collect::<Vec<_>>());
         let (mean_b, sd_b) = moments(&cases.iter().map(|case| case.1).collect::<Vec<_>>());
         let together = cases.iter().map(|case| (case.0 - mean_a) * (case.1 - mean_b)).sum::<f64>() / cases.len() as f64;
@@ -118,9 +118,7 @@ mod tests {
         let mut one = Uncertain { mean: [flat(0.0), flat(0.2), flat(0.0)], causes: Vec::new() };
         assert_eq!(mean_error(&one.mean[0], &one.mean[1], &one.mean[2], &EVEN_WEIGHTS), 0.0);
         one.moves(&[flat(0.02)], &[0]);
-        let cases = one.cases(&CubatureCases::default(), |[after, before, target]| {
-            mean_error(after, before, target, &EVEN_WEIGHTS)
-        });
+        let cases = one.cases(|[after, before, target]| mean_error(after, before, target, &EVEN_WEIGHTS));
         let (mean, _) = moments(&cases);
         assert!((mean - 0.8 * 0.02 / (0.2_f64.exp() - 1.0)).abs() < 0.01, "{mean}");
     }

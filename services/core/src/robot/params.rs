@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::detection::DetectionParams;
 use crate::estimation::filter::FilterParams;
-use crate::estimation::{CubatureCases, LeakParams, SensorNoise};
+use crate::estimation::{LeakParams, SensorNoise};
 use crate::mechanics::{Formulation, Model};
 use crate::policy::PolicyParams;
 use crate::units::Micros;
@@ -32,8 +32,6 @@ pub struct Params {
     pub refinement: RefinementParams,
     /// Touch tests and the suspicion of a lost reach.
     pub touch_tests: TouchTestParams,
-    /// Cases over which the uncertainty of an error is evaluated.
-    pub cubature: CubatureCases,
 }
 
 /// Parameters of setpoints.
@@ -194,7 +192,6 @@ impl Params {
             measurement: MeasurementParams::default(),
             refinement: RefinementParams::default(),
             touch_tests: TouchTestParams::default(),
-            cubature: CubatureCases::default(),
         }
     }
 

@@ -192,11 +192,11 @@ impl Robot {
             felt.responses.moves(&[[UNNOTICED_SHIFT_SD; CONTACT_RATIOS.len()]], &[AFTER]);
         }
         let air_alone = running.reading_gain().map(|gain| {
-            let by_air = felt.expected_error(&params.cubature);
+            let by_air = felt.expected_error();
             felt.read_with(gain);
             by_air
         });
-        let (mean, sd) = felt.expected_error(&params.cubature);
+        let (mean, sd) = felt.expected_error();
         Some(CompensationError {
             compensation: running.id,
             pressure: running.pressure,

@@ -75,7 +75,7 @@ impl Robot {
         };
         let weights = over(&known, weights);
         let of = |[after, before, target]: &[Curve; 3]| mean_error(after, before, target, &weights);
-        let errors = responses.some_cases(&params.cubature, cases, of);
+        let errors = responses.some_cases(cases, of);
         let (low, high) = interval95(errors);
         Some((low.min(setpoint.error.mean), high.max(setpoint.error.mean)))
     }

@@ -155,9 +155,9 @@ impl Robot {
         let outcome = if stays { RefinementOutcome::HeldUncertain } else { found };
         let objective = running.objective();
         let in_force = running.reading_gain().map(|_| &running.refining.gain);
-        let (error, error_sd) = (felt.error(in_force), felt.error_sd(&params.cubature, in_force));
+        let (error, error_sd) = (felt.error(in_force), felt.error_sd(in_force));
         let gain_error = felt.error(Some(&running.refining.gain));
-        let own_gain_error = felt.error_of_own_gain(&params.cubature, objective);
+        let own_gain_error = felt.error_of_own_gain(objective);
         let moves = outcome == RefinementOutcome::Refined;
         // A gain that wanders hastens the evaluations, but each published one is judged by as many contacts as the first.
         let is_judged = running.refining.since_gain.contacts() >= least;
@@ -297,7 +297,7 @@ impl Robot {
             Objective::Shape => reading_gain(response, &target, &weights),
         };
         let [by_gain_here, by_gain_there] = [after, there].map(|response| gain_at(&response).map(f64::ln));
-        let cases = both.cases(&params.cubature, |[here, before, target, there]| {
+        let cases = both.cases(|[here, before, target, there]| {
             let (here, there) = (sum(here, &by_gain_here), sum(there, &by_gain_there));
             (mean_error(&here, before, target, &weights), mean_error(&there, before, target, &weights))
         });
@@ -356,7 +356,7 @@ impl Compensation {
         // From these contacts alone: the earlier belief went into the gain.
         let felt = robot.measured_responses(params, self, &Carried::default(), since, LevelFrom::Contacts)?;
         let gain = Some(&self.refining.gain);
-        Some((felt.error(gain), felt.error_sd(&params.cubature, gain)))
+        Some((felt.error(gain), felt.error_sd(gain)))
     }
 }
 

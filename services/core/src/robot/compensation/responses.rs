@@ -1,7 +1,7 @@
 //! The measured responses of Eq. 35: smooth curves with the causes of their uncertainty.
 
 use crate::estimation::uncertainty::{Curve, Uncertain, interval95, mean_error, moments};
-use crate::estimation::{Belief, Carried, CubatureCases, Nominal, OwnCalibration, ResponseBins, Smooth};
+use crate::estimation::{Belief, Carried, Nominal, OwnCalibration, ResponseBins, Smooth};
 use crate::mechanics::{
     ByRatio, CONTACT_RATIOS, EVEN_WEIGHTS, LOG_MODULUS, Model, Objective, Offset, RatioWeights, Setpoint, UsualContacts,
 };
@@ -59,17 +59,16 @@ impl MeasuredResponses {
     }
 
     /// The standard deviation of [`Self::error`].
-    pub(in crate::robot) fn error_sd(&self, even: &CubatureCases, gain: Option<&Curve>) -> f64 {
-        moments(&self.responses.cases(even, self.error_of(log_gain(gain)))).1
+    pub(in crate::robot) fn error_sd(&self, gain: Option<&Curve>) -> f64 {
+        moments(&self.responses.cases(self.error_of(log_gain(gain)))).1
     }
 
     /// Mean of Eq. 35 over all cases that the contacts leave open, and its standard deviation. The error has a longer tail
     /// above than below: the standard deviation is large enough that the mean and 1.96 of it hold 97.5 of 100 cases.
     /// Contact ratios about which the contacts tell nothing are left out: robots may touch one part of a whisker alone.
-    pub(in crate::robot) fn expected_error(&self, even: &CubatureCases) -> (f64, f64) {
+    pub(in crate::robot) fn expected_error(&self) -> (f64, f64) {
         let certain_ratios = over(&self.certain_ratios(), &EVEN_WEIGHTS);
-        let errors =
-            self.responses.cases(even, |[after, before, target]| mean_error(after, before, target, &certain_ratios));
+        let errors = self.responses.cases(|[after, before, target]| mean_error(after, before, target, &certain_ratios));
         let (mean, sd) = moments(&errors);
         let (_, high) = interval95(errors);
         (mean, sd.max((high - mean) / NORMAL_975))
@@ -100,8 +99,8 @@ impl MeasuredResponses {
     }
 
     /// The error that a gain measured now would leave, for it is measured no better than the responses.
-    pub(in crate::robot) fn error_of_own_gain(&self, even: &CubatureCases, objective: Objective) -> f64 {
-        moments(&self.responses.cases(even, self.error_of(log_gain(Some(&self.gain(objective)))))).0
+    pub(in crate::robot) fn error_of_own_gain(&self, objective: Objective) -> f64 {
+        moments(&self.responses.cases(self.error_of(log_gain(Some(&self.gain(objective)))))).0
     }
 
     /// The responses as the robot reads them, with a factor on the compensator's.
