@@ -22,6 +22,7 @@ struct Fixture {
 
 /// The newest first.
 const FIXTURES: &[Fixture] = &[
+    Fixture { head: 12, whiskers: 19, becomes: 0x0000_0000_0000_0001 },
     Fixture { head: 12, whiskers: 18, becomes: 0x6dc3_4415_c5fd_8b02 },
     Fixture { head: 12, whiskers: 17, becomes: 0x02b0_db72_c874_49cf },
     Fixture { head: 12, whiskers: 16, becomes: 0x7a0b_2240_27b2_e9b8 },

@@ -12,13 +12,14 @@ use crate::estimation::{
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{LENGTH_TOLERANCE_MM, Sheet, read_numbers, write_numbers};
+use crate::robot::state::first_contacts::FirstContacts;
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
 use crate::robot::touch_tests::DistanceZero;
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 18;
+const VERSION: u32 = 19;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -45,8 +46,8 @@ pub(super) const PARTS: [&str; 16] = [
     "gauge_range",
     "changed_at",
 ];
-/// Names of further such parts, in stored order. Not before version 16, `doubt` not before 17, and
-/// `tolerance` not before 18.
+/// Names of further such parts, in stored order. Not before version 16, `doubt` not before 17,
+/// and `tolerance` not before 18.
 pub(super) const LATER_PARTS: [&str; 4] = ["zero", "first", "doubt", "tolerance"];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
@@ -312,7 +313,12 @@ impl BorshDeserialize for Whisker {
             read.rare.get_or_insert().zero = BorshDeserialize::deserialize_reader(reader)?;
         }
         if first {
-            read.rare.get_or_insert().first = of(true, reader)?;
+            let first = if version < 19 {
+                FirstContacts::read_before_19(reader)?
+            } else {
+                FirstContacts::deserialize_reader(reader)?
+            };
+            read.rare.get_or_insert().first = Some(Box::new(first));
         }
         if doubt {
             read.filter.keep_doubt(f32::deserialize_reader(reader)?.into());

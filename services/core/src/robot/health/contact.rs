@@ -84,8 +84,8 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
                 self.look_first(params, index, effects);
             }
-            Verdict::Quiet if whisker.is_due_for_last_look() => {
-                self.look_first(params, index, effects);
+            Verdict::Quiet if whisker.is_due_for_look() => {
+                self.look_at_others(params, index, effects);
             }
             Verdict::Quiet if whisker.is_decided_after_doubt() && !self.awaits_confirmation(index) => {
                 self.end_doubt(index, effects);
