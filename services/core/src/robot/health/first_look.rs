@@ -26,8 +26,8 @@ const EARLY_FROM: u64 = 3;
 const RISE_MIN: f64 = 0.06;
 /// ... in standard deviations of the rise.
 const RISE_SD: f64 = 5.0;
-/// A change within the first block shows in part only: the rise is up to so many times as large.
-const HIDDEN: f64 = 1.5;
+/// A change within a block shows in part only. The rise is larger by up to this share of the change, per block before it.
+const HIDDEN: f64 = 0.5;
 /// Other whiskers that an offset is compared with, at least.
 const PEERS_MIN: usize = 3;
 /// Contacts of each of them, at least.
@@ -62,8 +62,8 @@ impl Whisker {
         // The filter had absorbed a part of a change before the detector began to follow it.
         let is_told = !is_followed || step.contacts_before < followed_from;
         let is_rise = is_told && step.rise > RISE_MIN.max(RISE_SD * step.rise_sd);
-        let hidden = if step.contacts_before <= BLOCK { HIDDEN } else { 1.0 };
-        is_rise.then_some(Step { rise: hidden * step.rise, ..step })
+        let hidden = HIDDEN * BLOCK as f64 / step.contacts_before as f64;
+        is_rise.then_some(Step { rise: (1.0 + hidden) * step.rise, ..step })
     }
 
     /// Whether its offset tells how the whiskers of its model are.
