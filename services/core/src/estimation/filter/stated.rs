@@ -60,8 +60,34 @@ impl LengthFilter {
 
     /// The factsheet states the whole length within this, mm, with 95 % probability. The prior of the length is a part of it.
     pub fn keep_tolerance(&mut self, tolerance_mm: f64, params: &FilterParams) {
+        self.keep_whole_sd(Self::whole_sd_of(tolerance_mm, params));
+    }
+
+    /// [`Self::whole_sd_mm`] for a tolerance of the factsheet.
+    #[must_use]
+    pub fn whole_sd_of(tolerance_mm: f64, params: &FilterParams) -> f32 {
         let variance = (tolerance_mm / Z95).powi(2) - params.length_mm.powi(2);
-        self.untold.whole_sd_mm = if variance > 0.0 { variance.sqrt() as f32 } else { 0.0 };
+        if variance > 0.0 { variance.sqrt() as f32 } else { 0.0 }
+    }
+
+    /// Standard deviation of the whole length beyond that of the prior, mm.
+    #[must_use]
+    pub fn whole_sd_mm(&self) -> f32 {
+        self.untold.whole_sd_mm
+    }
+
+    /// Sets [`Self::whole_sd_mm`].
+    pub fn keep_whole_sd(&mut self, sd_mm: f32) {
+        self.untold.whole_sd_mm = sd_mm;
+    }
+
+    /// The length itself was measured, in millimetres that share an error of this standard deviation, mm. Without such an error
+    /// the length owes nothing to the factory length any more.
+    pub fn measured_in(&mut self, shared_sd_mm: f64) {
+        let factory_mm = f64::from(self.untold.whole_sd_mm);
+        if factory_mm > 0.0 {
+            self.keep_whole_sd((factory_mm * shared_sd_mm / factory_mm.hypot(shared_sd_mm)) as f32);
+        }
     }
 
     /// Least standard deviation of the length, mm; 0 for none. Contacts do not reduce it.

@@ -271,6 +271,8 @@ impl Robot {
         }
         // The error that all distances share stays, however many contacts come.
         whisker.filter.keep_doubt(SHARED_SD_MM.hypot(whisker.zero(params).1));
+        // A zero that tests have measured has the error of the factory length in it. So only that before them counts.
+        whisker.filter.measured_in(params.touch_tests.zero_sd_mm);
         whisker.detector = crate::detection::Detector::default();
         if is_for_change && !is_after_loss {
             whisker.take_gain_back(params);
