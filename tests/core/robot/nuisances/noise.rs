@@ -30,7 +30,7 @@ fn property_cuts_under_noise_that_lasts_are_found() {
     }
     // Cuts of 1 and 2 mm pass for a wandering gain: most of this noise lasts from contact to contact, and it is 2.5 times that
     // of real whiskers.
-    assert!(found >= 10, "{found} of 18");
+    assert!(found >= 11, "{found} of 18");
 }
 
 /// At a stated 5000 contacts some hundred alarms come, so that the mean is known to a tenth.
