@@ -78,6 +78,11 @@ const WHISKERS_18: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-18-1.bin"),
     include_bytes!("../../data/formats/whisker-18-2.bin"),
 ];
+const WHISKERS_19: [&[u8]; 3] = [
+    include_bytes!("../../data/formats/whisker-19-0.bin"),
+    include_bytes!("../../data/formats/whisker-19-1.bin"),
+    include_bytes!("../../data/formats/whisker-19-2.bin"),
+];
 const WHISKERS_6: [&[u8]; 3] = [
     include_bytes!("../../data/formats/whisker-6-0.bin"),
     include_bytes!("../../data/formats/whisker-6-1.bin"),
@@ -89,12 +94,12 @@ fn restored(whiskers: [&[u8]; 3]) -> Result<Robot, RestoreError> {
 }
 
 #[test]
-fn golden_whiskers_of_older_versions_are_read_and_become_version_18() {
+fn golden_whiskers_of_older_versions_are_read_and_become_version_19() {
     let robot = restored(WHISKERS_5).unwrap();
     if std::env::var_os("VIBRISSA_WRITE_DOCS").is_some() {
-        for index in 0..WHISKERS_18.len() {
+        for index in 0..WHISKERS_19.len() {
             let bytes = robot.whisker_to_bytes(index).unwrap();
-            std::fs::write(format!("../data/formats/whisker-18-{index}.bin"), bytes).unwrap();
+            std::fs::write(format!("../data/formats/whisker-19-{index}.bin"), bytes).unwrap();
         }
     }
     for older in [
@@ -111,11 +116,12 @@ fn golden_whiskers_of_older_versions_are_read_and_become_version_18() {
         WHISKERS_16,
         WHISKERS_17,
         WHISKERS_18,
+        WHISKERS_19,
     ] {
         assert_eq!(robot, restored(older).unwrap());
     }
     assert_eq!(robot.to_bytes().unwrap(), ROBOT_12);
-    for (index, bytes) in WHISKERS_18.into_iter().enumerate() {
+    for (index, bytes) in WHISKERS_19.into_iter().enumerate() {
         assert_eq!(robot.whisker_to_bytes(index).unwrap(), bytes, "whisker {index}");
     }
     // A trimmed whisker in the middle of its compensation.
@@ -140,9 +146,9 @@ fn golden_robots_of_older_versions_become_version_12() {
 #[test]
 fn regress_bytes_of_a_later_version_are_told_from_damaged_ones() {
     let of_whisker = |by: u8| {
-        let mut later = WHISKERS_18[0].to_vec();
+        let mut later = WHISKERS_19[0].to_vec();
         later[0] += by;
-        restored([&later, WHISKERS_18[1], WHISKERS_18[2]]).err()
+        restored([&later, WHISKERS_19[1], WHISKERS_19[2]]).err()
     };
     assert_eq!([of_whisker(1), of_whisker(100)], [Some(RestoreError::Newer); 2]);
     assert_eq!(of_whisker(101), Some(RestoreError::Whisker(0)), "no program had so many versions");

@@ -75,7 +75,7 @@ impl Default for DetectionParams {
             contacts_between_false_alarms: 1e6,
             cold_start_contacts: 150,
             followed_from: 50,
-            erosion_per_contact_max: 0.01 / 70.0,
+            erosion_per_contact_max: 0.0225 / 70.0,
         }
     }
 }

@@ -27,7 +27,6 @@
 use borsh::io::{Error, Read, Write};
 use borsh::{BorshDeserialize, BorshSerialize};
 
-use super::Z95;
 use super::gain_walk::Moved;
 use super::innovation::VARIANCES;
 pub use super::innovation::{Alone, Innovation, NoInformation, Observation, STATES, Wander};
@@ -38,6 +37,8 @@ use super::symmetric::Symmetric;
 use crate::encoding;
 use crate::mechanics::{Model, Morphology, Offset};
 use crate::units::{ContactRatio, Millimetre};
+pub use stated::LengthEstimate;
+use stated::Untold;
 
 /// Index of the slope of the offset in the state.
 const SLOPE: usize = 1;
@@ -60,10 +61,6 @@ const SHARE_DOUBT: f64 = 1.5;
 const SLOPE_SD: f64 = 0.2;
 /// Least weight of an outlier, so that the filter can never lock itself out.
 const LEAST_SOUND: f64 = 1e-3;
-/// Relative standard deviation of the model's d ln s / d ln L. Calibrations and formulations make 0.006, with the offset at
-/// its distance from the base, and an error of 0.01 that all contact ratios share makes 0.014. Contacts cannot reduce it,
-/// so every change of length keeps this uncertainty.
-const MODEL_SLOPE_SD: f64 = 0.015;
 /// Share of the offset's slope in the change of log length: contact ratio over d ln s / d ln L. Over moduli of 0.5 to 2.5 MPa,
 /// calibrations 10 % off, both formulations and cuts of 2 to 16 mm it is 0.325 to 0.335.
 const OFFSET_SHARE: f64 = 0.33;
@@ -134,12 +131,9 @@ pub struct LengthFilter {
     /// ten-thousandth or more, well above rounding.
     mean: [f32; STATES],
     covariance: Symmetric,
-    /// Least standard deviation of the length, mm; 0 for none. Stored as a part of the whisker.
+    /// Stored as a part of the whisker, or follows from the factsheet.
     #[borsh(skip)]
-    least_sd_mm: f32,
-    /// Standard deviation of the whole length beyond that of the prior, mm. Follows from the factsheet.
-    #[borsh(skip)]
-    whole_sd_mm: f32,
+    untold: Untold,
 }
 
 fn write_whole<W: Write>(whole_length_mm: &f64, writer: &mut W) -> Result<(), Error> {
@@ -168,15 +162,6 @@ impl LengthFilter {
     }
 }
 
-/// Estimated length with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LengthEstimate {
-    /// Estimated present length, mm.
-    pub length: Millimetre,
-    /// Standard deviation, mm.
-    pub sd_mm: f64,
-}
-
 /// Contact ratio at which a contact tells of the offset's slope.
 ///
 /// Within a narrow range of contacts the slope depends on the size of their ratios' errors, which is hardly known: the
@@ -201,46 +186,19 @@ impl LengthFilter {
             params.bend_per_mm,
         ];
         let covariance = Symmetric::diagonal(prior.map(|sd| sd.powi(2)));
-        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, least_sd_mm: 0.0, whole_sd_mm: 0.0 }
+        Self { whole_length_mm: whole_length.mm(), mean: [0.0; STATES], covariance, untold: Untold::default() }
     }
 
     /// Keeps the length, the slope for which it is corrected, and their uncertainty. Forgets level of the offset and baseline.
     #[must_use]
     pub fn learned_anew(&self, params: &FilterParams) -> Self {
         let mut anew = Self::new(Millimetre::known(self.whole_length_mm), params);
-        (anew.least_sd_mm, anew.whole_sd_mm) = (self.least_sd_mm, self.whole_sd_mm);
+        anew.untold = self.untold;
         for kept in [SLOPE, LENGTH] {
             anew.mean[kept] = self.mean[kept];
             anew.covariance.widen(kept, self.covariance.variance(kept) - anew.covariance.variance(kept));
         }
         anew
-    }
-
-    /// Present length with its standard deviation. The error of the factory length is a part of it.
-    #[must_use]
-    pub fn length(&self) -> LengthEstimate {
-        let relative = self.relative_length();
-        let by_whole = f64::from(self.whole_sd_mm) * relative.length.mm() / self.whole_length_mm;
-        LengthEstimate { sd_mm: relative.sd_mm.hypot(by_whole), ..relative }
-    }
-
-    /// [`Self::length`] as a share of the whole length, in mm of the factsheet. The error of the factory length is no part
-    /// of it: it moves the lengths before and after a change alike, and no contact tells it. Decisions take this one.
-    #[must_use]
-    pub fn relative_length(&self) -> LengthEstimate {
-        let learned = self.learned_length();
-        LengthEstimate { sd_mm: learned.sd_mm.max(self.least_sd_mm.into()), ..learned }
-    }
-
-    /// [`Self::relative_length`] without the doubt that contacts do not reduce.
-    #[must_use]
-    pub fn learned_length(&self) -> LengthEstimate {
-        let log_length = self.log_length() * self.per_log();
-        let length_mm = (self.whole_length_mm * log_length.exp()).clamp(1.0, 1000.0);
-        let by_slope = OFFSET_SHARE * self.covariance.variance(SLOPE).max(0.0).sqrt();
-        let by_model = MODEL_SLOPE_SD.hypot(by_slope) * log_length;
-        let learned_sd = self.covariance.variance(LENGTH).max(0.0).sqrt() * self.per_log();
-        LengthEstimate { length: Millimetre::known(length_mm), sd_mm: length_mm * learned_sd.hypot(by_model) }
     }
 
     /// Change of the whisker's log length for a change of lambda.
@@ -252,25 +210,6 @@ impl LengthFilter {
     /// Length by the model alone, mm, which goes with an offset at the contact ratio.
     fn model_length(&self) -> Millimetre {
         Millimetre::known((self.whole_length_mm * self.log_length().exp()).clamp(1.0, 1000.0))
-    }
-
-    /// The factsheet states the whole length within this, mm, with 95 % probability. The prior of the length is a part of it.
-    pub fn keep_tolerance(&mut self, tolerance_mm: f64, params: &FilterParams) {
-        let variance = (tolerance_mm / Z95).powi(2) - params.length_mm.powi(2);
-        self.whole_sd_mm = if variance > 0.0 { variance.sqrt() as f32 } else { 0.0 };
-    }
-
-    /// Least standard deviation of the length, mm; 0 for none. Contacts do not reduce it.
-    #[must_use]
-    pub fn least_sd_mm(&self) -> f32 {
-        self.least_sd_mm
-    }
-
-    /// Two explanations differ by about this standard deviation of the length, mm, and contacts do not tell them apart, as
-    /// they take errors that all of them share for independent noise. So no number of contacts makes the length more
-    /// certain, until it is measured otherwise. 0 if nothing is in doubt.
-    pub fn keep_doubt(&mut self, sd_mm: f64) {
-        self.least_sd_mm = if sd_mm.is_finite() { sd_mm.clamp(0.0, 1000.0) as f32 } else { 0.0 };
     }
 
     /// ln(length / whole length).
@@ -574,5 +513,6 @@ impl LengthFilter {
     }
 }
 
+mod stated;
 #[cfg(test)]
 mod tests;

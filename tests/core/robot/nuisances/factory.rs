@@ -1,7 +1,7 @@
 //! Whiskers that are not as their factsheet says, and cuts among the first contacts: their lengths are put in doubt,
 //! and no setpoint is sent for them.
 
-use super::rig::Rig;
+use super::rig::{Rig, Tests};
 use vibrissa_core::robot::effect::{Condition, Effect};
 
 /// Contacts in which a wrong factsheet is to be found.
@@ -56,16 +56,46 @@ fn cut_early(seed: u64, at: u64, length_mm: f64) -> Rig {
     rig
 }
 
+/// Contact 40 is the last but ten that the filter takes for noise before the detector follows.
 #[test]
 fn property_a_cut_among_the_first_contacts_is_called_late_or_put_in_doubt() {
-    let (mut told, mut held) = (0, 0);
-    for (seed, at) in (0..12).flat_map(|seed| [(seed, 15), (seed, 20), (seed, 25)]) {
-        let rig = cut_early(9400 + seed, at, 64.0);
+    let (mut told, mut held, mut all) = (0, 0, 0);
+    for (seed, at, length_mm) in (0..6).flat_map(|seed| {
+        [15, 20, 25, 30, 35, 40, 45, 50].into_iter().flat_map(move |at| [(seed, at, 65.0), (seed, at, 67.0)])
+    }) {
+        let rig = cut_early(9400 + 100 * at + seed, at, length_mm);
+        all += 1;
         told += usize::from(rig.view(0).condition == Condition::Suspected || !rig.trims().is_empty());
         held += usize::from(holds(&rig, 0));
         assert!(!rig.trims().is_empty() || setpoints(&rig) == 0, "seed {seed}, {at}");
     }
-    assert!(told >= 30 && held >= 24, "{told} and {held} of 36");
+    assert!(20 * told >= 19 * all && 10 * held >= 9 * all, "{told} and {held} of {all}");
+}
+
+/// A touch test of a robot that knows its zero tells the cut from a change of the gain, and the whisker compensates as one
+/// that was cut later.
+#[test]
+fn property_a_touch_test_decides_a_cut_among_the_first_contacts() {
+    let mut called = 0;
+    for seed in 0..12 {
+        let mut rig = Rig::with_tests(9450 + seed, 1, Tests::Does);
+        rig.params.touch_tests.zero_sd_mm = 0.0;
+        rig.run(40);
+        rig.whiskers[0].length_mm = 64.0;
+        // A pause comes between tests that decide nothing.
+        for _ in 0..4 {
+            rig.run(300);
+            (0..620).for_each(|_| rig.wait_1_s());
+        }
+        rig.run(600);
+        assert!(holds(&rig, 0), "seed {seed}: {:?}", rig.view(0).length);
+        if !rig.trims().is_empty() {
+            called += 1;
+            let error = rig.reading_error(0);
+            assert!(error < 0.05, "seed {seed}: {error}");
+        }
+    }
+    assert!(called >= 8, "{called} of 12");
 }
 
 /// First loads of 3 % and noise that lasts explain neither a wrong factsheet nor a cut.
@@ -96,13 +126,6 @@ fn measure_factory() {
         let sent: usize = rigs.iter().map(setpoints).sum();
         println!("factsheet 70, true {length_mm}: {found} of 48 in doubt, {others} of 240 others, {sent} setpoints");
     }
-    for (at, length_mm) in [5, 15, 25, 40, 60, 100].into_iter().flat_map(|at| [(at, 65.0), (at, 62.0)]) {
-        let rigs: Vec<Rig> = (0..48).map(|seed| cut_early(29_500 + seed, at, length_mm)).collect();
-        let called = rigs.iter().filter(|rig| !rig.trims().is_empty()).count();
-        let doubted = rigs.iter().filter(|rig| rig.trims().is_empty() && doubted(rig, 0)).count();
-        let held = rigs.iter().filter(|rig| holds(rig, 0)).count();
-        println!("cut to {length_mm} at {at}: {called} of 48 called, {doubted} in doubt, {held} intervals hold");
-    }
     for correlated in [(0.0, 0.0), (0.8, 0.02), (0.8, 0.05)] {
         let mut all = 0;
         for seed in 0..40 {
@@ -112,5 +135,35 @@ fn measure_factory() {
             all += (0..WHISKERS).filter(|&index| doubted(&rig, index)).count();
         }
         println!("noise {correlated:?}: {all} of 240 whole whiskers in doubt");
+    }
+}
+
+/// Contacts at which the sweep cuts a whisker.
+const SWEEP: [u64; 15] = [5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 60, 80, 100, 150, 200];
+
+/// Prints what becomes of cuts among the first contacts, at contact 300 and at contact 2,000.
+#[test]
+#[ignore = "a measurement"]
+fn measure_early_cuts() {
+    for (whiskers, cut_mm) in [(1, 3.0), (1, 5.0), (WHISKERS, 3.0), (WHISKERS, 5.0)] {
+        for at in SWEEP {
+            let mut told = [[0; 3]; 2];
+            for seed in 0..48 {
+                let mut rig = Rig::new(129_000 + 1000 * at + seed, whiskers);
+                rig.run(at);
+                rig.whiskers[0].length_mm = WHOLE_MM - cut_mm;
+                for (moment, told) in [300, 2000].into_iter().zip(&mut told) {
+                    rig.run(moment - rig.rounds);
+                    let is_called = rig.trims().iter().any(|(_, trim)| trim.whisker == 0);
+                    let is_doubted = !is_called && rig.view(0).condition == Condition::Suspected;
+                    let now = [is_called, is_doubted, holds(&rig, 0)];
+                    told.iter_mut().zip(now).for_each(|(count, is)| *count += usize::from(is));
+                }
+            }
+            let [early, late] = told.map(|[called, doubted, held]| format!("{called:2} {doubted:2} {held:2}"));
+            println!(
+                "{whiskers} whiskers, {cut_mm} mm at {at:3}: called, in doubt, held at 300: {early}, at 2000: {late}"
+            );
+        }
     }
 }

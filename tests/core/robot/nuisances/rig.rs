@@ -15,7 +15,7 @@ use vibrissa_core::robot::event::{
 use vibrissa_core::robot::{Event, Numbers, Outcome, Params, Robot, WhiskerView};
 use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain};
 
-pub(super) const ARRAY: &str = "a";
+pub(crate) const ARRAY: &str = "a";
 pub(super) const BOOT: &str = "b";
 const CONTACT_US: u64 = 20_000;
 const START_US: u64 = 1_000_000_000_000;
@@ -103,7 +103,7 @@ pub(crate) struct Rig {
     /// The robot's distances are short by this, mm.
     pub(super) off_mm: f64,
     /// Its contacts state distances from the base, and no ratios.
-    pub(super) states_distance: bool,
+    pub(crate) states_distance: bool,
     under_way: Vec<Command>,
     requested: Vec<TouchTest>,
     pub(super) random: ChaCha8Rng,
@@ -186,7 +186,7 @@ impl Rig {
         Micros(START_US + CONTACT_US * self.rounds)
     }
 
-    pub(super) fn step(&mut self, event: &Event<'_>) {
+    pub(crate) fn step(&mut self, event: &Event<'_>) {
         self.tested(event);
     }
 

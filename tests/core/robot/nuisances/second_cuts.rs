@@ -157,25 +157,25 @@ fn property_a_touch_test_tells_a_cut_from_the_end_of_a_loss() {
             let expected = if is_cut { Condition::Trimmed } else { Condition::Healthy };
             let what = format!("{gain}, seed {seed}: {off_mm} mm off, sd {}", view.length.sd_mm);
             if view.condition == Condition::Suspected {
-                // Thirty touches against a wall leave some cuts open: of 60 robots 9 with a cut of 3 mm, 4 with one of 5 mm.
+                // Thirty touches against a wall may leave a cut open.
                 assert!(off_mm.abs() < 1.96 * view.length.sd_mm, "{what}");
                 open += 1;
                 continue;
             }
             assert_eq!(view.condition, expected, "{what}");
-            assert!(off_mm.abs() < 1.0 && view.length.sd_mm < 0.6, "{what}");
+            assert!(off_mm.abs() < 1.0 && view.length.sd_mm < 0.8, "{what}");
         }
         assert!(open <= 2, "{gain}: {open} of 10 open");
     }
 }
 
-/// A whisker of 70 mm that loses sensitivity, and regains it by a cut of 3 mm.
-fn after_loss_and_cut(seed: u64, tests: Tests) -> Rig {
+/// A whisker of 70 mm that loses sensitivity, and regains it by a cut.
+fn after_loss_and_cut(seed: u64, (gain, cut_mm): (f64, f64), tests: Tests) -> Rig {
     let mut rig = Rig::with_tests(seed, 2, tests);
     rig.run(600);
-    rig.whiskers[0].gain *= 0.92;
+    rig.whiskers[0].gain *= gain;
     rig.run(600);
-    rig.whiskers[0].length_mm -= 3.0;
+    rig.whiskers[0].length_mm -= cut_mm;
     rig.run(400);
     rig
 }
@@ -184,15 +184,16 @@ fn after_loss_and_cut(seed: u64, tests: Tests) -> Rig {
 #[test]
 fn property_touch_tests_that_decide_nothing_narrow_the_doubt() {
     let (mut open, mut held, mut narrowed) = (0, 0, 0);
-    for seed in 0..40 {
-        let tested = after_loss_and_cut(3500 + seed, Tests::Does);
+    // Touches leave few open: 2 of these 80.
+    for (seed, change) in (0..40).flat_map(|seed| [(0.965, 1.2), (0.95, 2.5)].map(|change| (seed, change))) {
+        let tested = after_loss_and_cut(3500 + seed, change, Tests::Does);
         if tested.view(0).condition != Condition::Suspected {
             continue;
         }
         open += 1;
         let (length, length_mm) = (tested.view(0).length, tested.whiskers[0].length_mm);
         held += u32::from(is_within(&length, length_mm));
-        let untested = after_loss_and_cut(3500 + seed, Tests::NotOffered).view(0).length;
+        let untested = after_loss_and_cut(3500 + seed, change, Tests::NotOffered).view(0).length;
         narrowed += u32::from(length.sd_mm < 0.95 * untested.sd_mm);
         println!("seed {seed}: {length:?}, without tests {untested:?}");
     }

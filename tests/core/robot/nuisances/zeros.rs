@@ -124,3 +124,33 @@ fn measure_zeros() {
         }
     }
 }
+
+/// A robot whose millimetres are right measures the length itself, and the error of the factory length counts no more. If its
+/// millimetres are as doubtful as usual, it stays in the interval.
+#[test]
+fn property_a_measured_length_owes_nothing_to_the_factory_length() {
+    let (mut held, mut all) = (0, 0);
+    for (seed, tests) in (0..12).flat_map(|seed| TESTS.map(|tests| (seed, tests))) {
+        for zero_sd_mm in [0.0, 1.5] {
+            let mut rig = Rig::with_tests(9300 + seed, 1, tests);
+            rig.params.touch_tests.zero_sd_mm = zero_sd_mm;
+            rig.states_distance = true;
+            let whole_mm = if seed % 2 == 0 { 70.5 } else { 69.5 };
+            rig.whiskers[0].length_mm = whole_mm;
+            rig.run(LEARNED_CONTACTS);
+            let (length, relative) = (rig.view(0).length, rig.view(0).relative_length);
+            assert!(length.sd_mm > relative.sd_mm + 0.05, "seed {seed}: {length:?} {relative:?}");
+            rig.whiskers[0].length_mm = whole_mm - 6.0;
+            test(&mut rig, 500);
+            assert_eq!(rig.trims().len(), 1, "seed {seed}, {tests:?}");
+            let (length, relative) = (rig.view(0).length, rig.view(0).relative_length);
+            let is_free = length == relative;
+            assert_eq!(is_free, zero_sd_mm == 0.0, "seed {seed}, {tests:?}: {length:?} {relative:?}");
+            if is_free {
+                all += 1;
+                held += usize::from((length.length.mm() - (whole_mm - 6.0)).abs() < 1.96 * length.sd_mm);
+            }
+        }
+    }
+    assert!(10 * held >= 9 * all, "{held} of {all}");
+}

@@ -14,7 +14,7 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use super::life::Store;
 use super::plant::{OF_OTHER_KINDS, factsheet, params};
 use super::{ARRAY, BOOTS, WHISKERS};
-use crate::nuisances::rig::{Rig, Tests};
+use crate::nuisances::rig::{ARRAY as OF_RIG, Rig, Tests};
 
 /// Length of the first whisker.
 const LENGTH_MM: f64 = 70.0;
@@ -218,6 +218,20 @@ fn with_a_test_of_a_change() -> Store {
     Store::all_of(&rig.core)
 }
 
+/// A robot whose millimetres are right has measured a length.
+fn measured() -> Store {
+    let mut rig = Rig::with_tests(1, 1, Tests::Does);
+    rig.params.touch_tests.zero_sd_mm = 0.0;
+    rig.states_distance = true;
+    rig.run(600);
+    rig.whiskers[0].length_mm = 64.0;
+    let asked = OperatorAction::TouchTest(Place { array: OF_RIG, whisker: 0 });
+    rig.step(&Event::Operator(&asked));
+    rig.run(100);
+    assert_eq!(rig.trims().len(), 1);
+    Store::all_of(&rig.core)
+}
+
 fn leaking() -> Store {
     let mut rig = Rig::new(1, 1);
     for second in 0..300 {
@@ -269,10 +283,12 @@ pub(super) fn stores() -> Vec<Store> {
         with_a_refused_test(),
         with_a_test_of_a_change(),
         rig(900, |rig| rig.whiskers[0].length_mm -= 0.005),
+        rig(900, |rig| rig.whiskers[0].length_mm = 64.0),
         rig(400, |rig| rig.whiskers.iter_mut().for_each(|one| one.gain = 0.93)),
         rig(300, |rig| rig.whiskers[0].gain = 0.5),
         rig(1500, |rig| rig.whiskers[0].baseline_strain += 1e-6),
         leaking(),
+        measured(),
         with_a_gauge_that(|strain| -strain),
         exchanged(),
         replaced(),

@@ -12,13 +12,14 @@ use crate::estimation::{
 use crate::robot::health::flapping::{Flapping, Vent};
 use crate::robot::setpoints::tries::Tries;
 use crate::robot::state::factsheet::{LENGTH_TOLERANCE_MM, Sheet, read_numbers, write_numbers};
+use crate::robot::state::first_contacts::FirstContacts;
 use crate::robot::state::rare_state::{Rare, RareState};
 use crate::robot::state::whisker::{Air, DecisionBasis, Holds, Whisker};
 use crate::robot::touch_tests::DistanceZero;
 use crate::units::{Megapascal, Micros};
 
 /// Version of a whisker's bytes; they begin with it.
-const VERSION: u32 = 18;
+const VERSION: u32 = 19;
 /// Bytes of a version up to this one are taken for those of a newer program; beyond it they are damaged.
 const NEWEST_VERSION: u32 = VERSION + 100;
 /// First version that is stored with its number. A whisker of version 5 or older begins with nine flags.
@@ -45,9 +46,9 @@ pub(super) const PARTS: [&str; 16] = [
     "gauge_range",
     "changed_at",
 ];
-/// Names of further such parts, in stored order. Not before version 16, `doubt` not before 17, and
-/// `tolerance` not before 18.
-pub(super) const LATER_PARTS: [&str; 4] = ["zero", "first", "doubt", "tolerance"];
+/// Names of further such parts, in stored order. Not before version 16, `doubt` not before 17,
+/// `tolerance` not before 18, and `measured` not before 19.
+pub(super) const LATER_PARTS: [&str; 5] = ["zero", "first", "doubt", "tolerance", "measured"];
 /// Names of the flags of [`Air`], in stored order.
 pub(super) const AIR_FLAGS: [&str; 4] = ["measured", "moved", "learned_at", "unheld_since"];
 /// Added to the version; the flags of an older whisker are less than this.
@@ -108,7 +109,16 @@ impl Whisker {
             self.rare.first.is_some(),
             self.filter.least_sd_mm() > 0.0,
             self.sheet.length_tolerance_mm != LENGTH_TOLERANCE_MM,
+            self.is_length_measured(),
         ]
+    }
+}
+
+impl Whisker {
+    /// Whether its length owes less to the factory length than that of a new whisker.
+    fn is_length_measured(&self) -> bool {
+        let of_new = LengthFilter::whole_sd_of(self.sheet.length_tolerance_mm, &FilterParams::default());
+        self.filter.whole_sd_mm() != of_new
     }
 }
 
@@ -156,7 +166,7 @@ impl BorshSerialize for Whisker {
         if changed {
             self.rare.changed_at.serialize(writer)?;
         }
-        let [zero, _, doubt, tolerance] = self.has_later_parts();
+        let [zero, _, doubt, tolerance, measured] = self.has_later_parts();
         if zero {
             self.rare.zero.serialize(writer)?;
         }
@@ -166,6 +176,9 @@ impl BorshSerialize for Whisker {
         }
         if tolerance {
             encoding::write_number(self.sheet.length_tolerance_mm, writer)?;
+        }
+        if measured {
+            self.filter.whole_sd_mm().serialize(writer)?;
         }
         Ok(())
     }
@@ -208,7 +221,7 @@ impl BorshDeserialize for Whisker {
             changed,
         ] = has;
         let later = if version < 16 { 0 } else { encoding::read_u32(reader)? };
-        let [zero, first, doubt, tolerance] = encoding::unpack_flags(bits_of(later)?)?;
+        let [zero, first, doubt, tolerance, measured] = encoding::unpack_flags(bits_of(later)?)?;
         let array =
             u16::try_from(encoding::read_u32(reader)?).map_err(|_| encoding::invalid("no index of an array"))?;
         let sheet = Sheet::deserialize_reader(reader)?;
@@ -312,7 +325,12 @@ impl BorshDeserialize for Whisker {
             read.rare.get_or_insert().zero = BorshDeserialize::deserialize_reader(reader)?;
         }
         if first {
-            read.rare.get_or_insert().first = of(true, reader)?;
+            let first = if version < 19 {
+                FirstContacts::read_before_19(reader)?
+            } else {
+                FirstContacts::deserialize_reader(reader)?
+            };
+            read.rare.get_or_insert().first = Some(Box::new(first));
         }
         if doubt {
             read.filter.keep_doubt(f32::deserialize_reader(reader)?.into());
@@ -322,6 +340,13 @@ impl BorshDeserialize for Whisker {
             read.sheet.length_tolerance_mm = encoding::read_number(reader)?;
         }
         read.keep_tolerance(&FilterParams::default());
+        if measured {
+            let sd_mm = f32::deserialize_reader(reader)?;
+            if !(0.0..=1000.0).contains(&sd_mm) {
+                return Err(encoding::invalid("no error of a length"));
+            }
+            read.filter.keep_whole_sd(sd_mm);
+        }
         Ok(read)
     }
 }

@@ -28,7 +28,7 @@ impl Robot {
         if self.is_late(now, index, contact.robot_time) {
             let whisker = &mut self.whiskers[index];
             whisker.heard = Some(now);
-            let length = whisker.filter.length();
+            let length = whisker.told(whisker.filter.length());
             let (used, ratio) = (ContactUse::Late, Placed::on(&length, contact.place).ok().map(|placed| placed.ratio));
             let unused =
                 ContactRecord { position, whisker: index, ratio, used, residual: None, standardised: None, length };
@@ -57,7 +57,7 @@ impl Robot {
             used: felt.used,
             residual: felt.innovation.map(|seen| seen.residual),
             standardised: felt.innovation.map(|seen| seen.alone.standardised),
-            length: whisker.filter.length(),
+            length: whisker.told(whisker.filter.length()),
         }));
         self.watch_misfit(index, felt.used, felt.innovation.map(|seen| seen.residual));
         self.refresh_fault(params, now, index, effects);
@@ -84,8 +84,8 @@ impl Robot {
                 self.set_condition(index, Condition::Healthy, effects);
                 self.look_first(params, index, effects);
             }
-            Verdict::Quiet if whisker.is_due_for_last_look() => {
-                self.look_first(params, index, effects);
+            Verdict::Quiet if whisker.is_due_for_look() => {
+                self.look_at_others(params, index, effects);
             }
             Verdict::Quiet if whisker.is_decided_after_doubt() && !self.awaits_confirmation(index) => {
                 self.end_doubt(index, effects);

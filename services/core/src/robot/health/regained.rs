@@ -7,6 +7,7 @@
 
 use crate::detection::Change;
 use crate::estimation::filter::Wander;
+use crate::mechanics::Offset;
 use crate::robot::Robot;
 use crate::robot::effect::{Condition, Effect, WhiskerIndex};
 use crate::robot::params::Params;
@@ -51,12 +52,12 @@ impl Robot {
     }
 
     /// Puts the length of a whisker in doubt that is learned now: it may have been shorter by this from the first
-    /// contact on, mm, or longer if it is below 0.
+    /// contact on, mm, or longer if it is below 0. `whole` is its offset while whole.
     pub(super) fn doubt_whole(
         &mut self,
         params: &Params,
         index: WhiskerIndex,
-        loss_mm: f64,
+        (loss_mm, whole): (f64, Offset),
         effects: &mut Vec<Effect>,
     ) {
         let whisker = &mut self.whiskers[index];
@@ -64,7 +65,7 @@ impl Robot {
         let slopes = (whisker.log_slope_with_length(model), whisker.log_slope_at(model, ContactRatio::TIP));
         whisker.filter.doubt_whole(doubt.learned_sd_mm(), slopes);
         whisker.filter.keep_doubt(doubt.sd_mm);
-        whisker.leaves_whole(whisker.filter.whole_offset());
+        whisker.leaves_whole(whole);
         self.suspect_length(index, loss_mm, effects);
     }
 

@@ -187,6 +187,10 @@ impl Robot {
             let index = new.len();
             let from = moves.from[index];
             let stays = from.is_some_and(|from| matches!(moves.to[from], Fate::Stays(_)));
+            let keeps_tolerance = stays
+                && from
+                    .and_then(|from| old[from].as_ref())
+                    .is_some_and(|known| known.sheet.length_tolerance_mm == sheet.length_tolerance_mm);
             let mut whisker = match from.and_then(|from| old[from].take()) {
                 None => Whisker::new(at, sheet.into(), params),
                 Some(known) if stays => Whisker { sheet: sheet.into(), ..known },
@@ -197,7 +201,10 @@ impl Robot {
                 }
             };
             whisker.array = at;
-            whisker.keep_tolerance(&params.filter);
+            // A measured length owes less to it.
+            if !keeps_tolerance {
+                whisker.keep_tolerance(&params.filter);
+            }
             if let Some(flight) = &mut whisker.command {
                 flight.command.whisker = index;
             }

@@ -13,5 +13,6 @@ pub(in crate::robot) mod place;
 pub(in crate::robot) mod rare_state;
 pub(in crate::robot) mod rebaseline;
 pub mod sequence;
+mod suspected_length;
 pub(in crate::robot) mod tracked;
 pub mod whisker;

@@ -76,7 +76,7 @@ pub(in crate::robot) struct RareState {
     /// The error that all distances of its robot share.
     pub zero: DistanceZero,
     /// Its first contacts, while it is learned.
-    pub first: Option<FirstContacts>,
+    pub first: Option<Box<FirstContacts>>,
 }
 
 static NONE: RareState = RareState {

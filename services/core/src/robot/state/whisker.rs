@@ -221,7 +221,7 @@ impl Whisker {
             && self.noise.is_sound()
             && self.walks.is_sound()
             && self.rare.zero.is_sound()
-            && self.rare.first.is_none_or(|first| first.is_sound())
+            && self.rare.first.as_ref().is_none_or(|first| first.is_sound())
             && numbers.iter().all(|one| one.is_finite())
             && self.whole.felt().all(is_sound)
     }

@@ -174,8 +174,8 @@ impl Robot {
         let may_refute = test.under_way().is_none() && (test.done > 0 || !whisker.is_reach_silent());
         let length_before_mm = test.evidence.length_mm();
         let unchanged_max = if test.is_for_change() { UNCHANGED_AFTER_CHANGE_MAX } else { UNCHANGED_MAX };
-        // The test decides the doubt that contacts cannot reduce.
-        let known_sd_mm = whisker.filter.learned_length().sd_mm;
+        // The test decides a doubt. It would never exceed three times the doubt of its own cut.
+        let known_sd_mm = if whisker.has_doubtful_length() { 0.0 } else { whisker.filter.learned_length().sd_mm };
         let is_shorter = posterior.unchanged < unchanged_max
             && test.touches >= TOUCHES_MIN
             // More touches do not lessen the error that all distances share.
@@ -271,6 +271,8 @@ impl Robot {
         }
         // The error that all distances share stays, however many contacts come.
         whisker.filter.keep_doubt(SHARED_SD_MM.hypot(whisker.zero(params).1));
+        // A zero that tests have measured has the error of the factory length in it. So only that before them counts.
+        whisker.filter.measured_in(params.touch_tests.zero_sd_mm);
         whisker.detector = crate::detection::Detector::default();
         if is_for_change && !is_after_loss {
             whisker.take_gain_back(params);
