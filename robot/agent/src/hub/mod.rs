@@ -163,7 +163,7 @@ impl Hub {
             file.replace(records)?;
         }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
-        let store = file.map(|file| Store { file, spool, is_dirty: false, failed_at: None });
+        let store = file.map(|file| Store::new(file, spool));
         let state = State {
             agent,
             pending: VecDeque::new(),
@@ -184,6 +184,7 @@ impl Hub {
         let mut state = self.lock();
         let outputs = state.agent.step(now(), input);
         self.handle(&mut state, outputs);
+        self.take_back(&mut state);
     }
 
     fn handle(&self, state: &mut State, outputs: Vec<Output>) {
@@ -216,9 +217,9 @@ impl Hub {
         }
         if let Some(store) = &mut state.store {
             store.append(&records);
+            store.owed += from_disk;
         }
         self.spool(state, &to_disk);
-        self.take_back(state, from_disk);
         if !state.pending.is_empty() {
             self.signals.wake.notify_one();
         }

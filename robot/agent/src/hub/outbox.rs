@@ -25,9 +25,17 @@ pub(super) struct Store {
     pub(super) spool: Option<Spool>,
     pub(super) is_dirty: bool,
     pub(super) failed_at: Option<Instant>,
+    /// Messages that the agent has asked back from the disk, and has not got yet.
+    pub(super) owed: usize,
+    /// Time of the last attempt to read them, if it failed.
+    pub(super) unreadable_at: Option<Instant>,
 }
 
 impl Store {
+    pub(super) fn new(file: StoreFile, spool: Option<Spool>) -> Self {
+        Self { file, spool, is_dirty: false, failed_at: None, owed: 0, unreadable_at: None }
+    }
+
     /// The file, if records were appended that may not be on the disk yet.
     fn unsynced(&mut self) -> Option<std::io::Result<std::fs::File>> {
         std::mem::take(&mut self.is_dirty).then(|| self.file.synced())
@@ -94,26 +102,38 @@ impl Hub {
                 }
             }
         }
-        if lost > 0 {
-            let outputs = state.agent.step(now(), Input::LostOnDisk(lost));
+        self.count_lost(state, lost);
+    }
+
+    fn count_lost(&self, state: &mut State, messages: u64) {
+        if messages > 0 {
+            let outputs = state.agent.step(now(), Input::LostOnDisk(messages));
             self.handle(state, outputs);
         }
     }
 
-    /// Gives the agent messages back from the disk.
-    pub(super) fn take_back(&self, state: &mut State, messages: usize) {
-        for _ in 0..messages {
-            let Some(spool) = state.store.as_mut().and_then(|store| store.spool.as_mut()) else { return };
-            let back = spool.take().unwrap_or_else(|problem| {
-                tracing::error!(%problem, "contacts are lost: they cannot be read from the outbox on disk");
-                None
-            });
+    /// Gives the agent the messages back from the disk that it has asked for. After an error [`Hub::keep_store`] tries
+    /// again: the agent waits, so that no later message overtakes them.
+    pub(super) fn take_back(&self, state: &mut State) {
+        while let Some(store) = state.store.as_mut().filter(|store| store.owed > 0 && store.unreadable_at.is_none()) {
+            let Some(spool) = &mut store.spool else { return };
+            let (back, lost) = (spool.take(), spool.lost());
+            match &back {
+                Ok(Some(_)) => store.owed -= 1,
+                Ok(None) => store.owed = 0,
+                Err(problem) => {
+                    tracing::error!(%problem, "cannot read contacts from the outbox on disk");
+                    store.unreadable_at = Some(Instant::now());
+                }
+            }
+            if lost > 0 {
+                tracing::error!("contacts are lost: at least {lost} messages of the outbox on disk cannot be read");
+            }
+            self.count_lost(state, lost);
+            let Ok(back) = back else { return };
             let back = back.as_ref().map(|(contacts, position)| (&contacts[..], *position));
             let outputs = state.agent.step(now(), Input::CameBack(back));
             self.handle(state, outputs);
-            if back.is_none() {
-                return;
-            }
         }
     }
 
@@ -126,7 +146,9 @@ impl Hub {
                 let State { agent, store, .. } = &mut *state;
                 if let Some(store) = store {
                     store.renew(|| agent.records());
+                    store.unreadable_at = store.unreadable_at.filter(|at| at.elapsed() < STORE_AGAIN);
                 }
+                self.take_back(&mut state);
             }
             self.sync().await;
         }
@@ -156,3 +178,6 @@ impl Hub {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,6 +17,8 @@ use super::private;
 const SEGMENT_BYTES: u64 = 1 << 20;
 /// Longest line that is read: a message of the contract is shorter.
 const LINE_MAX_BYTES: u64 = 512 * 1024;
+/// Attempts to read a segment before it is left out: the process may have too many open files for a while.
+pub const READ_ATTEMPTS: u32 = 6;
 
 /// Number of a segment, and the bytes of it that are done with.
 pub type Position = (u64, u64);
@@ -40,6 +42,10 @@ pub struct Spool {
     /// Bytes of the first segment that were taken back.
     offset: u64,
     reader: Option<BufReader<File>>,
+    /// Failed attempts to read the first segment.
+    failures: u32,
+    /// Messages that cannot be read, since the last call of [`Spool::lost`].
+    lost: u64,
     /// Segments that were taken back.
     done: Vec<u64>,
 }
@@ -80,6 +86,8 @@ impl Spool {
             is_dirty: false,
             offset,
             reader: None,
+            failures: 0,
+            lost: 0,
             done: done.into_iter().map(|segment| segment.id).collect(),
         })
     }
@@ -132,7 +140,10 @@ impl Spool {
                 match self.line() {
                     Ok(Some(_)) => dropped += 1,
                     Ok(None) => {}
-                    Err(_) => break,
+                    Err(_) => {
+                        dropped += 1;
+                        break;
+                    }
                 }
             }
             self.leave();
@@ -143,7 +154,8 @@ impl Spool {
     /// The next contacts, and the position after them; `None` if nothing waits.
     ///
     /// # Errors
-    /// The operating system refuses. The segment is left out then.
+    /// The operating system refuses. The next call tries again. At the last of [`READ_ATTEMPTS`] the segment is left out,
+    /// and counts as one lost message: how many it has is not known.
     pub fn take(&mut self) -> Result<Option<(Vec<u8>, Position)>> {
         while let Some(Segment { id, bytes }) = self.segments.front() {
             let id = *id;
@@ -155,7 +167,11 @@ impl Spool {
                 Ok(Some(contacts)) => return Ok(Some((contacts, (id, self.offset)))),
                 Ok(None) => {}
                 Err(problem) => {
-                    self.leave();
+                    (self.reader, self.failures) = (None, self.failures + 1);
+                    if self.failures >= READ_ATTEMPTS {
+                        self.lost += 1;
+                        self.leave();
+                    }
                     return Err(problem);
                 }
             }
@@ -163,11 +179,16 @@ impl Spool {
         Ok(None)
     }
 
+    /// Messages that could not be read since the last call.
+    pub fn lost(&mut self) -> u64 {
+        std::mem::take(&mut self.lost)
+    }
+
     /// The next line of the first segment; `None` if it is damaged, as after a power cut.
     fn line(&mut self) -> Result<Option<Vec<u8>>> {
         let Some(first) = self.segments.front() else { return Ok(None) };
         if self.reader.is_none() {
-            let mut file = private::read(&self.path(first.id))?;
+            let mut file = private::read_linked(&self.path(first.id))?;
             file.seek(SeekFrom::Start(self.offset))?;
             self.reader = Some(BufReader::new(file));
         }
@@ -184,7 +205,7 @@ impl Spool {
         if let Some(first) = self.segments.pop_front() {
             self.done.push(first.id);
         }
-        (self.offset, self.reader) = (0, None);
+        (self.offset, self.reader, self.failures) = (0, None, 0);
         if self.segments.is_empty() {
             self.writer = None;
         }
