@@ -299,6 +299,8 @@ impl Agent {
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt, now, out),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now, out),
+            // The broker keeps the last one: at each connection it comes again, even if its supervisor is gone.
+            Message::Estimate(estimate) if !self.estimates.takes(&estimate) => return,
             Message::Estimate(estimate) => self.estimate(&estimate, out),
             Message::Request(request) => match (request.request, request.touch_test) {
                 (_, Some(test)) => self.touch_test(test, now, out),

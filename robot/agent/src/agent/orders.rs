@@ -162,11 +162,8 @@ impl Agent {
         }
     }
 
-    /// Takes an estimate, unless the robot has taken a newer one in this boot.
+    /// Takes an estimate that is newer than all of this boot.
     pub(super) fn estimate(&mut self, estimate: &Estimate, out: &mut Vec<Output>) {
-        if !self.estimates.takes(estimate) {
-            return;
-        }
         self.chambers.iter_mut().for_each(|chamber| (chamber.estimate, chamber.response) = (None, None));
         for one in &estimate.whiskers {
             let Some(&at) = self.places.get(&(one.array.clone(), one.whisker)) else { continue };
