@@ -77,8 +77,8 @@ pub enum Output {
     Warn(String),
     /// Write contacts to the disk, after those that wait there.
     Spool(Vec<u8>),
-    /// Give so many of the oldest messages on the disk back by [`Input::CameBack`].
-    TakeBack(usize),
+    /// Give the oldest message on the disk back by [`Input::CameBack`].
+    TakeBack,
     /// Store a record, before the messages that follow it are published.
     Store(Record),
     /// The driver has been silent for too long: start it again, or wait for it anew. The text says what it does

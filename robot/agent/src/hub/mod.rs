@@ -189,11 +189,11 @@ impl Hub {
 
     fn handle(&self, state: &mut State, outputs: Vec<Output>) {
         let mut records = Vec::new();
-        let (mut to_disk, mut from_disk) = (Vec::new(), 0);
+        let (mut to_disk, mut is_asked_back) = (Vec::new(), false);
         for output in outputs {
             match output {
                 Output::Spool(contacts) => to_disk.push(contacts),
-                Output::TakeBack(messages) => from_disk += messages,
+                Output::TakeBack => is_asked_back = true,
                 // All records are written before any of the messages is taken.
                 Output::Store(record) => records.push(record),
                 Output::Publish(topic, payload) if state.pending.len() < PENDING_MAX => {
@@ -217,7 +217,7 @@ impl Hub {
         }
         if let Some(store) = &mut state.store {
             store.append(&records);
-            store.owed += from_disk;
+            store.owes |= is_asked_back;
         }
         self.spool(state, &to_disk);
         if !state.pending.is_empty() {

@@ -25,15 +25,15 @@ pub(super) struct Store {
     pub(super) spool: Option<Spool>,
     pub(super) is_dirty: bool,
     pub(super) failed_at: Option<Instant>,
-    /// Messages that the agent has asked back from the disk, and has not got yet.
-    pub(super) owed: usize,
-    /// Time of the last attempt to read them, if it failed.
+    /// The agent has asked for a message back from the disk, and has not got it yet.
+    pub(super) owes: bool,
+    /// Time of the last attempt to read it, if it failed.
     pub(super) unreadable_at: Option<Instant>,
 }
 
 impl Store {
     pub(super) fn new(file: StoreFile, spool: Option<Spool>) -> Self {
-        Self { file, spool, is_dirty: false, failed_at: None, owed: 0, unreadable_at: None }
+        Self { file, spool, is_dirty: false, failed_at: None, owes: false, unreadable_at: None }
     }
 
     /// The file, if records were appended that may not be on the disk yet.
@@ -112,19 +112,16 @@ impl Hub {
         }
     }
 
-    /// Gives the agent the messages back from the disk that it has asked for. After an error [`Hub::keep_store`] tries
+    /// Gives the agent the messages back from the disk that it asks for. After an error [`Hub::keep_store`] tries
     /// again: the agent waits, so that no later message overtakes them.
     pub(super) fn take_back(&self, state: &mut State) {
-        while let Some(store) = state.store.as_mut().filter(|store| store.owed > 0 && store.unreadable_at.is_none()) {
+        while let Some(store) = state.store.as_mut().filter(|store| store.owes && store.unreadable_at.is_none()) {
             let Some(spool) = &mut store.spool else { return };
             let (back, lost) = (spool.take(), spool.lost());
-            match &back {
-                Ok(Some(_)) => store.owed -= 1,
-                Ok(None) => store.owed = 0,
-                Err(problem) => {
-                    tracing::error!(%problem, "cannot read contacts from the outbox on disk");
-                    store.unreadable_at = Some(Instant::now());
-                }
+            store.owes = back.is_err();
+            if let Err(problem) = &back {
+                tracing::error!(%problem, "cannot read contacts from the outbox on disk");
+                store.unreadable_at = Some(Instant::now());
             }
             if lost > 0 {
                 tracing::error!("contacts are lost: at least {lost} messages of the outbox on disk cannot be read");
