@@ -29,11 +29,13 @@ pub(super) struct Store {
     pub(super) owes: bool,
     /// Time of the last attempt to read it, if it failed.
     pub(super) unreadable_at: Option<Instant>,
+    /// Segments that could not be removed. They are tried again with the next one.
+    unremoved: usize,
 }
 
 impl Store {
     pub(super) fn new(file: StoreFile, spool: Option<Spool>) -> Self {
-        Self { file, spool, is_dirty: false, failed_at: None, owes: false, unreadable_at: None }
+        Self { file, spool, is_dirty: false, failed_at: None, owes: false, unreadable_at: None, unremoved: 0 }
     }
 
     /// The file, if records were appended that may not be on the disk yet.
@@ -155,23 +157,39 @@ impl Hub {
         let (file, spooled, done) = {
             let mut state = self.lock();
             let Some(store) = &mut state.store else { return };
-            let spool = store.spool.as_mut();
-            let (spooled, done) = spool.map_or((None, vec![]), |spool| (spool.unsynced(), spool.done()));
-            (store.unsynced(), spooled, done)
+            // While the file fails, it lacks what has come back: the segments are the only copy.
+            let mut done =
+                store.spool.as_ref().filter(|_| store.failed_at.is_none()).map_or_else(Vec::new, Spool::done);
+            if done.len() <= store.unremoved {
+                done.clear();
+            }
+            (store.unsynced(), store.spool.as_mut().and_then(Spool::unsynced), done)
         };
         if file.is_none() && spooled.is_none() && done.is_empty() {
             return;
         }
         let synced = task::blocking(move || {
-            [spooled, file].into_iter().flatten().try_for_each(|file| file.and_then(|file| file.sync_data()))?;
-            // What was in them is on the disk in the file of the outbox.
-            done.iter().try_for_each(std::fs::remove_file)
+            [spooled, file].into_iter().flatten().try_for_each(|file| file.and_then(|file| file.sync_data()))
         })
         .await;
-        match synced {
-            Ok(Ok(())) => {}
-            Ok(Err(problem)) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
-            Err(problem) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
+        let synced = synced.unwrap_or_else(|problem| Err(std::io::Error::other(problem)));
+        let mut state = self.lock();
+        let Some(store) = &mut state.store else { return };
+        if let Err(problem) = synced {
+            tracing::error!(%problem, "cannot synchronise the outbox with the disk");
+            // What the disk has of the file is not known: it is written anew.
+            store.failed_at = Some(Instant::now());
+            return;
+        }
+        // What was in the segments is on the disk in the file of the outbox.
+        if let Some(spool) = store.spool.as_mut().filter(|_| !done.is_empty()) {
+            store.unremoved = match spool.remove(&done) {
+                Ok(()) => 0,
+                Err(problem) => {
+                    tracing::error!(%problem, "cannot remove contacts from the outbox on disk that have come back");
+                    spool.done().len()
+                }
+            };
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 use std::fs::{DirBuilder, File};
-use std::io::{BufRead, BufReader, Read, Result, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 
@@ -217,9 +217,25 @@ impl Spool {
         self.writer.as_ref().filter(|_| is_dirty).map(File::try_clone)
     }
 
-    /// The segments that were taken back. Remove them once the file of the outbox is on the disk.
-    pub fn done(&mut self) -> Vec<PathBuf> {
-        std::mem::take(&mut self.done).into_iter().map(|id| self.path(id)).collect()
+    /// The segments that were taken back. [`Spool::remove`] them once the file of the outbox is on the disk.
+    #[must_use]
+    pub fn done(&self) -> Vec<u64> {
+        self.done.clone()
+    }
+
+    /// Removes segments that were taken back. Those that remain are still among [`Spool::done`].
+    ///
+    /// # Errors
+    /// The operating system refuses for one of them.
+    pub fn remove(&mut self, done: &[u64]) -> Result<()> {
+        let mut removed = Ok(());
+        for &id in done {
+            match std::fs::remove_file(self.path(id)) {
+                Err(problem) if problem.kind() != ErrorKind::NotFound => removed = Err(problem),
+                Ok(()) | Err(_) => self.done.retain(|&other| other != id),
+            }
+        }
+        removed
     }
 
     fn path(&self, id: u64) -> PathBuf {
@@ -279,12 +295,12 @@ mod tests {
         }
         // Some were taken back after the position that the outbox knows of.
         let mut again = Spool::open(&folder.0, position, 1 << 30).unwrap();
-        again.done().iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        again.remove(&again.done()).unwrap();
         again.append(&message(500)).unwrap();
         assert!(all(&mut again) == expected(250..501) && again.is_empty());
         again.append(&message(501)).unwrap();
         assert!(all(&mut again) == expected(501..502), "it goes on after it was empty");
-        again.done().iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        again.remove(&again.done()).unwrap();
         assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 0, "nothing is left on the disk");
     }
 

@@ -123,3 +123,43 @@ fn regress_a_backup_that_links_to_a_segment_costs_nothing() {
     hub.step(Input::Connected);
     assert_eq!((published(&hub), hub.lock().agent.messages_dropped()), (vec![1.0, 2.0, 3.0], 0));
 }
+
+#[tokio::test]
+async fn regress_a_segment_stays_until_the_file_of_the_outbox_has_its_messages() {
+    let folder = Folder::new("failing");
+    (1..=3).for_each(|number| folder.write(number));
+    let hub = folder.hub();
+    // As after a full disk: nothing is appended to the file for a while.
+    hub.lock().store.as_mut().unwrap().failed_at = Some(Instant::now());
+    hub.step(Input::Connected);
+    assert_eq!(published(&hub), [1.0, 2.0, 3.0]);
+    hub.sync().await;
+    assert!((1..=3).all(|number| folder.segment(number).exists()), "a restart would lose them");
+    {
+        let mut state = hub.lock();
+        let State { agent, store, .. } = &mut *state;
+        let store = store.as_mut().unwrap();
+        store.file.replace(agent.records()).unwrap();
+        store.failed_at = None;
+    }
+    hub.sync().await;
+    assert!((1..=3).all(|number| !folder.segment(number).exists()));
+}
+
+#[tokio::test]
+async fn regress_a_segment_that_cannot_be_removed_is_tried_again_with_the_next_one() {
+    let folder = Folder::new("unremoved");
+    folder.write(1);
+    let hub = folder.hub();
+    hub.step(Input::Connected);
+    std::fs::remove_file(folder.segment(1)).unwrap();
+    std::fs::create_dir(folder.segment(1)).unwrap();
+    hub.sync().await;
+    assert_eq!(hub.lock().store.as_ref().unwrap().spool.as_ref().unwrap().done(), [1]);
+    std::fs::remove_dir(folder.segment(1)).unwrap();
+    let mut state = hub.lock();
+    let store = state.store.as_mut().unwrap();
+    store.unremoved = 0;
+    store.spool.as_mut().unwrap().remove(&[1]).unwrap();
+    assert_eq!(store.spool.as_ref().unwrap().done(), [0; 0]);
+}
