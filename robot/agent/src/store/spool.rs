@@ -138,8 +138,8 @@ impl Spool {
         while self.bytes() + bytes > self.bytes_max && self.segments.len() > 1 {
             while self.offset < self.segments.front().map_or(0, |first| first.bytes) {
                 match self.line() {
-                    Ok(Some(_)) => dropped += 1,
-                    Ok(None) => {}
+                    // A damaged line was a message, too.
+                    Ok(_) => dropped += 1,
                     Err(_) => {
                         dropped += 1;
                         break;
@@ -165,7 +165,7 @@ impl Spool {
             }
             match self.line() {
                 Ok(Some(contacts)) => return Ok(Some((contacts, (id, self.offset)))),
-                Ok(None) => {}
+                Ok(None) => self.lost += 1,
                 Err(problem) => {
                     (self.reader, self.failures) = (None, self.failures + 1);
                     if self.failures >= READ_ATTEMPTS {
@@ -314,7 +314,20 @@ mod tests {
     }
 
     #[test]
-    fn a_power_cut_costs_only_the_lines_that_it_tore() {
+    fn regress_a_damaged_message_without_room_is_counted() {
+        let folder = Folder::new("damaged");
+        let mut spool = Spool::open(&folder.0, None, 2 << 20).unwrap();
+        (0..110).for_each(|number| assert_eq!(spool.append(&message(number)).unwrap(), 0));
+        let path = folder.0.join(format!("{:016x}", 1));
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[15_000] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+        let dropped: u64 = (110..220).map(|number| spool.append(&message(number)).unwrap()).sum();
+        assert!(dropped > 100 && all(&mut spool) == expected(dropped..220), "{dropped}");
+    }
+
+    #[test]
+    fn a_power_cut_costs_only_the_lines_that_it_tore_and_they_are_counted() {
         let folder = Folder::new("torn");
         let mut spool = Spool::open(&folder.0, None, 1 << 30).unwrap();
         (0..3).for_each(|number| assert_eq!(spool.append(&message(number)).unwrap(), 0));
@@ -330,6 +343,7 @@ mod tests {
             let lost = if damaged.is_some() { 1 } else { 2 };
             let left: Vec<Vec<u8>> = [0, 1, 2, 9].into_iter().filter(|&number| number != lost).map(message).collect();
             assert!(all(&mut spool) == left, "{cut} {damaged:?}");
+            assert_eq!(spool.lost(), 1, "{cut} {damaged:?}");
             std::fs::remove_file(folder.0.join(format!("{:016x}", 2))).unwrap();
         }
     }

@@ -122,6 +122,15 @@ fn messages_that_were_never_sent_get_numbers_of_the_new_boot() {
 }
 
 #[test]
+fn regress_a_message_of_another_version_that_cannot_be_read_is_counted() {
+    let mut stored = stored(false);
+    let message = stored.boots[0].messages.values_mut().next().unwrap();
+    *message = crate::store::Payload::new(br#"{"later":true}"#).unwrap();
+    let bench = Bench::after(|_| {}, "b2", stored, START + 60 * S);
+    assert_eq!((bench.agent.messages_kept(), bench.agent.messages_dropped()), (2, 1));
+}
+
+#[test]
 fn no_older_setpoint_is_applied_after_a_restart() {
     let mut bench = Bench::running();
     bench.order(7, 0.12);

@@ -196,6 +196,16 @@ fn parts_of_a_contact_are_joined_by_time_in_either_order() {
     }
 }
 
+#[test]
+fn regress_parts_beyond_those_that_wait_are_counted_too() {
+    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Ratio);
+    bench.press(BOARD, 0);
+    (0..65).for_each(|_| bench.say(BOARD, r#"{"type":"contact","whisker":0,"strain":0.01}"#));
+    assert_eq!(bench.agent.counts().contacts_unusable, 1);
+    bench.run(2.0);
+    assert_eq!(bench.agent.counts().contacts_unusable, 65);
+}
+
 /// Contacts of a board whose whisker is tapped for 0.1 s each second, as stones under a wheel do.
 fn tapped(bench: &mut Bench) -> usize {
     for block in 0..200_u64 {
