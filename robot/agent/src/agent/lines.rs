@@ -275,7 +275,7 @@ impl Agent {
         self.under_way[at].driver = Some(from);
         match state.state {
             Progress::Running => self.run_test(at, now, out),
-            Progress::Done => self.end_test(at, TouchTestOutcome::Done, now, out),
+            Progress::Done => self.test_done(at, now, out),
             Progress::Failed => self.end_test(at, TouchTestOutcome::Failed, now, out),
         }
         Ok(())
