@@ -117,8 +117,8 @@ pub struct Counts {
     pub saturated: u64,
     /// Samples that were glitches of the converter.
     pub glitches: u64,
-    /// Contacts without a measurement, as samples were missing.
+    /// Contacts that were left out, as samples were missing in them or right after them.
     pub interrupted: u64,
-    /// Contacts that were held back for so long that they were left out.
+    /// Contacts that were left out, as they were held back for too long, or as their reference was no rest.
     pub doubtful: u64,
 }

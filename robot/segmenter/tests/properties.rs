@@ -142,6 +142,16 @@ fn a_gap_ends_a_contact_without_a_measurement() {
 }
 
 #[test]
+fn regress_a_contact_that_a_gap_follows_at_once_is_counted() {
+    let (segmenter, events) = touch(100.0, 0.06, |index, sample| {
+        if index >= 114 {
+            sample.t_us += 500_000;
+        }
+    });
+    assert_eq!((contacts(&events), segmenter.counts().interrupted), (vec![], 1));
+}
+
+#[test]
 fn property_no_stream_of_odd_numbers_panics() {
     for seed in 0..200 {
         let mut random = Random(seed);

@@ -5,11 +5,8 @@ use vibrissa_protocol::Estimate;
 use super::Robot;
 
 impl Robot {
-    /// Takes an estimate, unless the robot has taken a newer one in this boot. A whisker that is not listed has none.
+    /// Takes an estimate that the robot accepts. A whisker that is not listed has none.
     pub(super) fn estimate(&mut self, estimate: &Estimate) {
-        if !self.accepts_estimate(estimate) {
-            return;
-        }
         self.whiskers.iter_mut().for_each(|whisker| whisker.estimated_mm = None);
         for entry in &estimate.whiskers {
             let at = self.places.get(&(entry.array.clone(), entry.whisker));

@@ -230,6 +230,12 @@ impl Robot {
         if self.ignores(&message, payload) {
             return out;
         }
+        // The broker keeps the last estimate: at each connection it comes again, even if its supervisor is gone.
+        if let Message::Estimate(estimate) = &message
+            && !self.accepts_estimate(estimate)
+        {
+            return out;
+        }
         self.supervision.heard(Moment::of_us(now_us));
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt, now_us),

@@ -41,7 +41,12 @@ impl Agent {
                 earlier.push(Earlier { voice, is_known: boot.is_known, outbox });
                 continue;
             }
-            for message in boot.messages.values().filter_map(|one| decode_contacts(one.bytes(), Vec::new()).ok()) {
+            for message in boot.messages.values() {
+                // What another version has written may keep other rules.
+                let Ok(message) = decode_contacts(message.bytes(), Vec::new()) else {
+                    self.dropped_earlier += 1;
+                    continue;
+                };
                 let message = self.voice.contacts(message.contacts, message.missed);
                 self.outbox.keep(message.seq, encode(&message), None);
             }

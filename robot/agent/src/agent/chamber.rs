@@ -58,6 +58,8 @@ pub(super) struct Chamber {
     /// Condition of the regulator as the driver states it.
     regulator: Option<Regulator>,
     gauge: Gauge,
+    /// The driver that has stated the condition of the gauge.
+    gauge_from: Option<usize>,
     pub(super) temperature_c: Option<f64>,
     supply_mpa: Option<f64>,
     pub(super) applying: Option<Applying>,
@@ -116,6 +118,7 @@ impl Chamber {
             is_waiting: false,
             regulator: None,
             gauge: Gauge::Ok,
+            gauge_from: None,
             temperature_c: None,
             supply_mpa: None,
             applying: None,
@@ -218,9 +221,18 @@ impl Chamber {
     }
 
     /// Takes a fault.
-    pub(super) fn fault(&mut self, regulator: Option<Regulator>, gauge: Option<Gauge>) {
+    pub(super) fn fault(&mut self, from: usize, regulator: Option<Regulator>, gauge: Option<Gauge>) {
         self.regulator = regulator.or(self.regulator);
-        self.gauge = gauge.unwrap_or(self.gauge);
+        if let Some(gauge) = gauge {
+            (self.gauge, self.gauge_from) = (gauge, Some(from));
+        }
+    }
+
+    /// A driver begins anew. It reports what differs from a good gauge.
+    pub(super) fn begin(&mut self, driver: usize) {
+        if self.gauge_from == Some(driver) {
+            (self.gauge, self.gauge_from) = (Gauge::Ok, None);
+        }
     }
 
     /// The driver that reads the pressure is absent: nothing is known of the chamber.

@@ -111,6 +111,7 @@ impl Agent {
     /// A driver can be heard, from now on or anew.
     pub(super) fn driver_started(&mut self, from: usize, now: Now, out: &mut Vec<Output>) {
         self.drivers[from].start(now);
+        self.chambers.iter_mut().for_each(|chamber| chamber.begin(from));
         self.greet(from, now, out);
     }
 

@@ -93,7 +93,7 @@ impl Agent {
                     ));
                 }
                 let before = self.chambers[at].condition(now).1;
-                self.chambers[at].fault(fault.regulator, fault.gauge);
+                self.chambers[at].fault(from, fault.regulator, fault.gauge);
                 self.warn_of_driver(at, before, now, out);
                 Ok(())
             }
@@ -136,6 +136,7 @@ impl Agent {
             let problem = format!("more than {GREETINGS_PER_S} hello lines a second");
             return Err(BadLine::new(problem, "send hello once, when the driver starts"));
         }
+        self.chambers.iter_mut().for_each(|chamber| chamber.begin(from));
         self.greet(from, now, out);
         self.learn_software(from, hello, now, out);
         self.warn_of_configuration(from, hello.configuration, out);
@@ -274,7 +275,7 @@ impl Agent {
         self.under_way[at].driver = Some(from);
         match state.state {
             Progress::Running => self.run_test(at, now, out),
-            Progress::Done => self.end_test(at, TouchTestOutcome::Done, now, out),
+            Progress::Done => self.test_done(at, now, out),
             Progress::Failed => self.end_test(at, TouchTestOutcome::Failed, now, out),
         }
         Ok(())

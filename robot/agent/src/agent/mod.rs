@@ -77,8 +77,8 @@ pub enum Output {
     Warn(String),
     /// Write contacts to the disk, after those that wait there.
     Spool(Vec<u8>),
-    /// Give so many of the oldest messages on the disk back by [`Input::CameBack`].
-    TakeBack(usize),
+    /// Give the oldest message on the disk back by [`Input::CameBack`].
+    TakeBack,
     /// Store a record, before the messages that follow it are published.
     Store(Record),
     /// The driver has been silent for too long: start it again, or wait for it anew. The text says what it does
@@ -299,6 +299,8 @@ impl Agent {
         match message {
             Message::Receipt(receipt) => self.receipt(&receipt, now, out),
             Message::Setpoint(setpoint) => self.setpoint(&setpoint, now, out),
+            // The broker keeps the last one: at each connection it comes again, even if its supervisor is gone.
+            Message::Estimate(estimate) if !self.estimates.takes(&estimate) => return,
             Message::Estimate(estimate) => self.estimate(&estimate, out),
             Message::Request(request) => match (request.request, request.touch_test) {
                 (_, Some(test)) => self.touch_test(test, now, out),

@@ -4,6 +4,7 @@ use vibrissa_protocol::{
     Estimate, RobotTopic, Setpoint, SetpointError, SetpointOutcome, TouchTest, TouchTestError, TouchTestOutcome, encode,
 };
 
+use super::motion::WAIT_US;
 use super::{Agent, Output};
 use crate::contract::supervision::pressure_without;
 use crate::contract::{Addressee, CommandAnswer, Moment, Now, Response, TestAnswer, TestVerdict, Tested, Verdict};
@@ -14,6 +15,10 @@ use crate::store::Record;
 const TEST_US: u64 = 30_000_000;
 const TOUCH_US: u64 = 5_000_000;
 
+/// Time after which no touch of a test that the driver has done comes any more, in microseconds: its strain may come late, and
+/// wait for its motion.
+const LAST_TOUCH_US: u64 = 2 * WAIT_US;
+
 /// A touch test that the driver is doing.
 #[derive(Debug)]
 pub(super) struct UnderWay {
@@ -21,10 +26,18 @@ pub(super) struct UnderWay {
     pub(super) whisker: usize,
     pub(super) until: Moment,
     pub(super) is_running: bool,
+    /// The driver has done it. Strain of its last touches may still be on its way, until `until`.
+    pub(super) is_done: bool,
     /// The driver that does it, once one has said so.
     pub(super) driver: Option<usize>,
     /// Touches that may still come.
     pub(super) touches_left: u16,
+}
+
+impl UnderWay {
+    fn is_over(&self, now: Now) -> bool {
+        self.until <= now.at || (self.is_done && self.touches_left == 0)
+    }
 }
 
 impl Agent {
@@ -162,11 +175,8 @@ impl Agent {
         }
     }
 
-    /// Takes an estimate, unless the robot has taken a newer one in this boot.
+    /// Takes an estimate that is newer than all of this boot.
     pub(super) fn estimate(&mut self, estimate: &Estimate, out: &mut Vec<Output>) {
-        if !self.estimates.takes(estimate) {
-            return;
-        }
         self.chambers.iter_mut().for_each(|chamber| (chamber.estimate, chamber.response) = (None, None));
         for one in &estimate.whiskers {
             let Some(&at) = self.places.get(&(one.array.clone(), one.whisker)) else { continue };
@@ -214,6 +224,7 @@ impl Agent {
                     whisker,
                     until: now.at + TEST_US + TOUCH_US * u64::from(test.contacts),
                     is_running: false,
+                    is_done: false,
                     driver: None,
                     touches_left: test.contacts,
                 });
@@ -260,18 +271,30 @@ impl Agent {
         }
     }
 
+    /// The driver has done a test. If the agent makes its contacts from strain, the last ones may still come.
+    pub(super) fn test_done(&mut self, at: usize, now: Now, out: &mut Vec<Output>) {
+        self.run_test(at, now, out);
+        let test = &mut self.under_way[at];
+        test.is_done = true;
+        let may_come = self.chambers[test.whisker].stream.is_some();
+        test.until = test.until.min(if may_come { now.at + LAST_TOUCH_US } else { now.at });
+        self.follow_tests(now, out);
+    }
+
     /// Ends a test; its contacts are sent before.
     pub(super) fn end_test(&mut self, at: usize, outcome: TouchTestOutcome, now: Now, out: &mut Vec<Output>) {
         self.run_test(at, now, out);
         self.flush(now, out);
+        // Even if the driver goes while strain of the last touch is awaited.
+        let outcome = if self.under_way[at].is_done { TouchTestOutcome::Done } else { outcome };
         if let Some(test) = self.under_way.remove(at) {
             self.answer_test(&test.test_id, TestAnswer::plain(outcome), now, out);
         }
     }
 
-    /// Fails tests that the driver does not end.
+    /// Ends tests that the driver has done, and fails those that it does not end.
     pub(super) fn follow_tests(&mut self, now: Now, out: &mut Vec<Output>) {
-        while let Some(at) = self.under_way.iter().position(|one| one.until <= now.at) {
+        while let Some(at) = self.under_way.iter().position(|one| one.is_over(now)) {
             self.end_test(at, TouchTestOutcome::Failed, now, out);
         }
     }

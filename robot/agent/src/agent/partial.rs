@@ -9,7 +9,7 @@ use super::motion::{GAP_US, Point, WAIT_US};
 use crate::contract::{Moment, Now};
 use crate::driver::words::Contact;
 
-/// Most parts that wait; the oldest goes first.
+/// Most parts that wait; beyond that the oldest has waited in vain.
 const WAITING_MAX: usize = 64;
 
 /// A part of a contact.
@@ -66,9 +66,6 @@ impl Partials {
         let nearest =
             (0..self.0.len()).filter(|&at| fits(&self.0[at])).min_by_key(|&at| self.0[at].t_us.abs_diff(t_us));
         let Some(other) = nearest.and_then(|at| self.0.remove(at)) else {
-            if self.0.len() >= WAITING_MAX {
-                self.0.pop_front();
-            }
             self.0.push_back(Partial { line, t_us, from, until: now.at + WAIT_US });
             return None;
         };
@@ -80,7 +77,7 @@ impl Partials {
 
     /// The next part that has waited in vain.
     pub(super) fn overdue(&mut self, now: Now) -> Option<Partial> {
-        let is_over = self.0.front().is_some_and(|first| first.until <= now.at);
+        let is_over = self.0.len() > WAITING_MAX || self.0.front().is_some_and(|first| first.until <= now.at);
         is_over.then(|| self.0.pop_front()).flatten()
     }
 

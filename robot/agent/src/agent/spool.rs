@@ -7,23 +7,20 @@ use crate::contract::Now;
 use crate::store::spool::Position;
 use crate::store::{Payload, Record};
 
-/// Most messages that are asked back at once.
-const BACK_AT_ONCE: usize = 64;
-
 /// State of the disk, as the agent knows it.
 #[derive(Debug)]
 pub(super) struct Spooling {
     /// Whether something waits there.
     pub(super) is_waiting: bool,
-    /// Messages that were asked back and have not come yet.
-    asked: usize,
+    /// A message was asked back and has not come yet.
+    is_asked: bool,
     /// Position after the last one that has come back.
     pub(super) position: Option<Position>,
 }
 
 impl Spooling {
     pub(super) fn new(is_waiting: bool, position: Option<Position>) -> Self {
-        Self { is_waiting, asked: 0, position }
+        Self { is_waiting, is_asked: false, position }
     }
 }
 
@@ -44,25 +41,25 @@ impl Agent {
         }
     }
 
-    /// Asks for messages back once the outbox is half empty.
+    /// Asks for the next message back while the outbox is half empty. The other half is its room.
     pub(super) fn ask_back(&mut self, out: &mut Vec<Output>) {
         let is_free = 2 * self.bytes_kept() < self.limits.outbox_bytes
             && (2 * self.outbox.len() < self.limits.outbox_messages || self.outbox.is_empty());
         let Some(spooling) = &mut self.spooling else { return };
-        if spooling.is_waiting && spooling.asked == 0 && is_free {
-            spooling.asked = BACK_AT_ONCE;
-            out.push(Output::TakeBack(BACK_AT_ONCE));
+        if spooling.is_waiting && !spooling.is_asked && is_free {
+            spooling.is_asked = true;
+            out.push(Output::TakeBack);
         }
     }
 
     /// A message has come back, or nothing waits any more.
     pub(super) fn came_back(&mut self, back: Option<(&[u8], Position)>, now: Now, out: &mut Vec<Output>) {
         let Some(spooling) = &mut self.spooling else { return };
+        spooling.is_asked = false;
         let Some((message, position)) = back else {
-            (spooling.is_waiting, spooling.asked) = (false, 0);
+            spooling.is_waiting = false;
             return;
         };
-        spooling.asked = spooling.asked.saturating_sub(1);
         spooling.position = Some(position);
         // What another version has written may keep other rules.
         let Ok(message) = decode_contacts(message, Vec::new()) else {

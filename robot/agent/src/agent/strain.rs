@@ -1,7 +1,7 @@
 //! Samples of strain gauges, of which the segmenter makes contacts.
 
 use vibrissa_protocol::PlaceKind;
-use vibrissa_segmenter::{Condition, Contact, Event, Params, Sample, Segmenter};
+use vibrissa_segmenter::{Condition, Contact, Counts, Event, Params, Sample, Segmenter};
 
 use super::doubt::Doubt;
 use super::motion::Joined;
@@ -28,11 +28,23 @@ pub(super) struct Stream {
     /// Time of the newest sample by the stream's clock: the board's, or moments for lines without a time.
     newest_us: Option<u64>,
     doubt: Doubt,
+    /// Counts of the segmenter at the last call of [`Stream::left_out`].
+    counts: Counts,
 }
 
 impl Stream {
     pub(super) fn new(params: Params) -> Self {
-        Self { segmenter: Segmenter::new(params), newest_us: None, doubt: Doubt::default() }
+        Self { segmenter: Segmenter::new(params), newest_us: None, doubt: Doubt::default(), counts: Counts::default() }
+    }
+
+    /// Contacts that the segmenter has left out since the last call, with the reason.
+    fn left_out(&mut self) -> [(&'static str, u64); 2] {
+        let now = self.segmenter.counts();
+        let before = std::mem::replace(&mut self.counts, now);
+        [
+            ("samples were missing in a contact or right after it", now.interrupted - before.interrupted),
+            ("a contact began before it was known which strain is rest", now.doubtful - before.doubtful),
+        ]
     }
 
     /// How far the contacts can be relied on.
@@ -152,11 +164,16 @@ impl Agent {
                 found.push((Contact { saturated, ..contact }, offset_us));
             }
         }
+        let left_out = stream.left_out();
         let remedy = stream.doubt.watch(stream.segmenter.condition(), now.at);
         if let Some(remedy) = remedy {
             out.push(Output::Warn(format!("whisker {}/{}: {remedy}", chamber.array, chamber.number)));
         }
         findings.into_iter().for_each(|finding| self.warn_of_gauge(at, Some(finding), out));
+        for (reason, contacts) in left_out {
+            self.counts.contacts_unusable += contacts;
+            (0..contacts).for_each(|_| self.chambers[at].count_unused(reason));
+        }
         let mut taken = Ok(());
         for (contact, offset_us) in found {
             let t_us = contact.measured_us.saturating_add_signed(offset_us);

@@ -19,7 +19,8 @@ impl Supervision {
         Self { lost_after_us, heard: None }
     }
 
-    /// A valid message has arrived on one of the robot's own topics.
+    /// A valid message has arrived on one of the robot's own topics. An estimate that the robot has already is none: the
+    /// broker has kept it.
     pub fn heard(&mut self, now: Moment) {
         self.heard = Some(now);
     }

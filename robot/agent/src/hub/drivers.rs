@@ -35,7 +35,7 @@ pub(super) struct DriverLink {
     label: String,
     /// Lines to it while it can be heard.
     telling: Option<mpsc::Sender<Vec<u8>>>,
-    /// Asks its task to end the link.
+    /// Asks its task to end the link: each link has its own, so that no request remains for the next one.
     pub(super) restart: Arc<Notify>,
     /// Time at which a refused line of it was last logged.
     refusal_logged_at: Option<Instant>,
@@ -44,6 +44,13 @@ pub(super) struct DriverLink {
 impl DriverLink {
     pub(super) fn new(config: &DriverConfig) -> Self {
         Self { label: config.label.clone(), telling: None, restart: Arc::default(), refusal_logged_at: None }
+    }
+
+    /// A link begins: the lines for it, and the requests to end it.
+    fn begin(&mut self) -> (mpsc::Receiver<Vec<u8>>, Arc<Notify>) {
+        let (sender, lines) = mpsc::channel(TELLING_MAX);
+        (self.telling, self.restart) = (Some(sender), Arc::default());
+        (lines, self.restart.clone())
     }
 
     pub(super) fn tell(&mut self, line: &ToDriver, refused: u64) {
@@ -104,7 +111,7 @@ impl Hub {
     /// Reaches a driver again and again.
     pub(super) async fn drive(self, driver: usize, config: DriverConfig, mut door: Option<Door>) {
         let may_restart = config.restart || !matches!(config.way, Way::Command(_));
-        let (label, restart) = (&config.label, self.lock().drivers[driver].restart.clone());
+        let label = &config.label;
         let mut pause = LINK_PAUSE.0;
         loop {
             let began = Instant::now();
@@ -118,8 +125,7 @@ impl Hub {
                 None => None,
             };
             if let Some(mut link) = link {
-                let (sender, lines) = mpsc::channel(TELLING_MAX);
-                self.lock().drivers[driver].telling = Some(sender);
+                let (lines, restart) = self.lock().drivers[driver].begin();
                 self.step(Input::DriverStarted(driver));
                 tracing::info!("{label} can be heard");
                 let pause = pause_of(&config);
@@ -187,6 +193,7 @@ impl Hub {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+    use std::pin::pin;
 
     use super::*;
     use crate::Config;
@@ -203,6 +210,25 @@ mod tests {
         assert_eq!(pause("serial = \"board\""), SERIAL_PAUSE);
         assert_eq!(pause("serial = \"board\"\nregulate = true"), Duration::ZERO);
         assert_eq!(pause("command = [\"driver\"]"), Duration::ZERO);
+    }
+
+    #[tokio::test]
+    async fn regress_a_driver_that_reads_nothing_does_not_cost_the_next_link() {
+        let config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
+        let mut link = DriverLink::new(&config.drivers[0]);
+        let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+        let (_lines, restart) = link.begin();
+        let mut restarted = pin!(restart.notified());
+        assert!(restarted.as_mut().poll(&mut context).is_pending());
+        // The first line too many ends the wait, and the second one asks again.
+        let line = ToDriver::Hello { version: 1, whiskers: vec![] };
+        (0..TELLING_MAX + 2).for_each(|_| link.tell(&line, 0));
+        restarted.await;
+        let (_lines, restart) = link.begin();
+        let mut restarted = pin!(restart.notified());
+        assert!(restarted.as_mut().poll(&mut context).is_pending(), "nobody has asked for its end");
+        link.restart.notify_one();
+        restarted.await;
     }
 
     /// Writes so many lines; the time that it takes.

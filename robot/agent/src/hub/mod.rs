@@ -163,7 +163,7 @@ impl Hub {
             file.replace(records)?;
         }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
-        let store = file.map(|file| Store { file, spool, is_dirty: false, failed_at: None });
+        let store = file.map(|file| Store::new(file, spool));
         let state = State {
             agent,
             pending: VecDeque::new(),
@@ -184,15 +184,16 @@ impl Hub {
         let mut state = self.lock();
         let outputs = state.agent.step(now(), input);
         self.handle(&mut state, outputs);
+        self.take_back(&mut state);
     }
 
     fn handle(&self, state: &mut State, outputs: Vec<Output>) {
         let mut records = Vec::new();
-        let (mut to_disk, mut from_disk) = (Vec::new(), 0);
+        let (mut to_disk, mut is_asked_back) = (Vec::new(), false);
         for output in outputs {
             match output {
                 Output::Spool(contacts) => to_disk.push(contacts),
-                Output::TakeBack(messages) => from_disk += messages,
+                Output::TakeBack => is_asked_back = true,
                 // All records are written before any of the messages is taken.
                 Output::Store(record) => records.push(record),
                 Output::Publish(topic, payload) if state.pending.len() < PENDING_MAX => {
@@ -216,9 +217,9 @@ impl Hub {
         }
         if let Some(store) = &mut state.store {
             store.append(&records);
+            store.owes |= is_asked_back;
         }
         self.spool(state, &to_disk);
-        self.take_back(state, from_disk);
         if !state.pending.is_empty() {
             self.signals.wake.notify_one();
         }

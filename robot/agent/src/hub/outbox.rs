@@ -25,9 +25,19 @@ pub(super) struct Store {
     pub(super) spool: Option<Spool>,
     pub(super) is_dirty: bool,
     pub(super) failed_at: Option<Instant>,
+    /// The agent has asked for a message back from the disk, and has not got it yet.
+    pub(super) owes: bool,
+    /// Time of the last attempt to read it, if it failed.
+    pub(super) unreadable_at: Option<Instant>,
+    /// Segments that could not be removed. They are tried again with the next one.
+    unremoved: usize,
 }
 
 impl Store {
+    pub(super) fn new(file: StoreFile, spool: Option<Spool>) -> Self {
+        Self { file, spool, is_dirty: false, failed_at: None, owes: false, unreadable_at: None, unremoved: 0 }
+    }
+
     /// The file, if records were appended that may not be on the disk yet.
     fn unsynced(&mut self) -> Option<std::io::Result<std::fs::File>> {
         std::mem::take(&mut self.is_dirty).then(|| self.file.synced())
@@ -94,26 +104,35 @@ impl Hub {
                 }
             }
         }
-        if lost > 0 {
-            let outputs = state.agent.step(now(), Input::LostOnDisk(lost));
+        self.count_lost(state, lost);
+    }
+
+    fn count_lost(&self, state: &mut State, messages: u64) {
+        if messages > 0 {
+            let outputs = state.agent.step(now(), Input::LostOnDisk(messages));
             self.handle(state, outputs);
         }
     }
 
-    /// Gives the agent messages back from the disk.
-    pub(super) fn take_back(&self, state: &mut State, messages: usize) {
-        for _ in 0..messages {
-            let Some(spool) = state.store.as_mut().and_then(|store| store.spool.as_mut()) else { return };
-            let back = spool.take().unwrap_or_else(|problem| {
-                tracing::error!(%problem, "contacts are lost: they cannot be read from the outbox on disk");
-                None
-            });
+    /// Gives the agent the messages back from the disk that it asks for. After an error [`Hub::keep_store`] tries
+    /// again: the agent waits, so that no later message overtakes them.
+    pub(super) fn take_back(&self, state: &mut State) {
+        while let Some(store) = state.store.as_mut().filter(|store| store.owes && store.unreadable_at.is_none()) {
+            let Some(spool) = &mut store.spool else { return };
+            let (back, lost) = (spool.take(), spool.lost());
+            store.owes = back.is_err();
+            if let Err(problem) = &back {
+                tracing::error!(%problem, "cannot read contacts from the outbox on disk");
+                store.unreadable_at = Some(Instant::now());
+            }
+            if lost > 0 {
+                tracing::error!("contacts are lost: at least {lost} messages of the outbox on disk cannot be read");
+            }
+            self.count_lost(state, lost);
+            let Ok(back) = back else { return };
             let back = back.as_ref().map(|(contacts, position)| (&contacts[..], *position));
             let outputs = state.agent.step(now(), Input::CameBack(back));
             self.handle(state, outputs);
-            if back.is_none() {
-                return;
-            }
         }
     }
 
@@ -126,7 +145,9 @@ impl Hub {
                 let State { agent, store, .. } = &mut *state;
                 if let Some(store) = store {
                     store.renew(|| agent.records());
+                    store.unreadable_at = store.unreadable_at.filter(|at| at.elapsed() < STORE_AGAIN);
                 }
+                self.take_back(&mut state);
             }
             self.sync().await;
         }
@@ -136,23 +157,42 @@ impl Hub {
         let (file, spooled, done) = {
             let mut state = self.lock();
             let Some(store) = &mut state.store else { return };
-            let spool = store.spool.as_mut();
-            let (spooled, done) = spool.map_or((None, vec![]), |spool| (spool.unsynced(), spool.done()));
-            (store.unsynced(), spooled, done)
+            // While the file fails, it lacks what has come back: the segments are the only copy.
+            let mut done =
+                store.spool.as_ref().filter(|_| store.failed_at.is_none()).map_or_else(Vec::new, Spool::done);
+            if done.len() <= store.unremoved {
+                done.clear();
+            }
+            (store.unsynced(), store.spool.as_mut().and_then(Spool::unsynced), done)
         };
         if file.is_none() && spooled.is_none() && done.is_empty() {
             return;
         }
         let synced = task::blocking(move || {
-            [spooled, file].into_iter().flatten().try_for_each(|file| file.and_then(|file| file.sync_data()))?;
-            // What was in them is on the disk in the file of the outbox.
-            done.iter().try_for_each(std::fs::remove_file)
+            [spooled, file].into_iter().flatten().try_for_each(|file| file.and_then(|file| file.sync_data()))
         })
         .await;
-        match synced {
-            Ok(Ok(())) => {}
-            Ok(Err(problem)) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
-            Err(problem) => tracing::error!(%problem, "cannot synchronise the outbox with the disk"),
+        let synced = synced.unwrap_or_else(|problem| Err(std::io::Error::other(problem)));
+        let mut state = self.lock();
+        let Some(store) = &mut state.store else { return };
+        if let Err(problem) = synced {
+            tracing::error!(%problem, "cannot synchronise the outbox with the disk");
+            // What the disk has of the file is not known: it is written anew.
+            store.failed_at = Some(Instant::now());
+            return;
+        }
+        // What was in the segments is on the disk in the file of the outbox.
+        if let Some(spool) = store.spool.as_mut().filter(|_| !done.is_empty()) {
+            store.unremoved = match spool.remove(&done) {
+                Ok(()) => 0,
+                Err(problem) => {
+                    tracing::error!(%problem, "cannot remove contacts from the outbox on disk that have come back");
+                    spool.done().len()
+                }
+            };
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

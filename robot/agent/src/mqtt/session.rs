@@ -375,34 +375,32 @@ impl<E: Endpoint> Session<E> {
 
     /// Publishes the farewell and disconnects cleanly, if that succeeds in time.
     async fn farewell(mut self) {
+        if timeout(FAREWELL_TIMEOUT, self.leave()).await.is_err() {
+            tracing::warn!(robot = self.full_name(), "farewell timed out");
+        }
+    }
+
+    async fn leave(&mut self) {
         let outgoing = self.robot.farewell(now());
         let Some(mut connection) = self.connection.take() else {
             return;
         };
-        let topic = self.topic(RobotTopic::Connection);
-        let (robot, retains) = (&self.robot, self.retains);
-        let options = |kind| publish_options(robot.delivery(kind), retains);
-        let end = async {
-            for item in outgoing {
-                let Outgoing::Publish { topic: kind, payload } = item else {
-                    continue;
-                };
-                let publish = connection.client.publish_tracked(topic.clone(), payload, options(kind));
-                // A disconnect may overtake queued messages, so wait for the broker's acknowledgement of the
-                // farewell.
-                if let Ok(notice) = publish.await
-                    && let Err(error) = notice.wait_async().await
-                {
-                    tracing::warn!(robot = self.full_name(), %error, "farewell not acknowledged");
-                }
+        for item in outgoing {
+            let Outgoing::Publish { topic, payload } = item else {
+                continue;
+            };
+            let options = self.publish_options(topic);
+            let publish = connection.client.publish_tracked(self.topic(topic), payload, options);
+            // A disconnect may overtake queued messages, so wait for the broker's acknowledgement of the farewell.
+            if let Ok(notice) = publish.await
+                && let Err(error) = notice.wait_async().await
+            {
+                tracing::warn!(robot = self.full_name(), %error, "farewell not acknowledged");
             }
-            if connection.client.disconnect().await.is_ok() {
-                // The polling task ends once the disconnect has been sent.
-                let _ = (&mut connection.poller).await;
-            }
-        };
-        if timeout(FAREWELL_TIMEOUT, end).await.is_err() {
-            tracing::warn!(robot = self.full_name(), "farewell timed out");
+        }
+        if connection.client.disconnect().await.is_ok() {
+            // The polling task ends once the disconnect has been sent.
+            let _ = (&mut connection.poller).await;
         }
     }
 }
@@ -411,3 +409,6 @@ impl<E: Endpoint> Session<E> {
 fn publish_options(delivery: Delivery, retains: bool) -> PublishOptions {
     PublishOptions::new(qos(delivery.quality)).retain(delivery.is_retained && retains)
 }
+
+#[cfg(test)]
+mod tests;

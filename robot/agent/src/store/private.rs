@@ -21,17 +21,23 @@ fn options() -> OpenOptions {
     options
 }
 
-/// Refuses a file that is not only ours.
-fn checked(file: File) -> Result<File> {
+/// Refuses a file that is not ours.
+fn owned(file: File) -> Result<File> {
     let found = file.metadata()?;
     if !found.is_file() {
         return Err(Error::other("it is no regular file"));
     }
-    if found.nlink() > 1 {
-        return Err(Error::other("it has another name, too (a hard link)"));
-    }
     if found.uid() != own_uid() && own_uid() != 0 {
         return Err(Error::other(format!("it belongs to user {}", found.uid())));
+    }
+    Ok(file)
+}
+
+/// Refuses a file that is not only ours.
+fn checked(file: File) -> Result<File> {
+    let file = owned(file)?;
+    if file.metadata()?.nlink() > 1 {
+        return Err(Error::other("it has another name, too (a hard link)"));
     }
     Ok(file)
 }
@@ -49,6 +55,11 @@ fn explained(opened: Result<File>) -> Result<File> {
 /// Opens a file to read it.
 pub(super) fn read(path: &Path) -> Result<File> {
     checked(explained(options().read(true).open(path))?)
+}
+
+/// Opens a file that is only read, whatever other names it has: a backup may consist of links.
+pub(super) fn read_linked(path: &Path) -> Result<File> {
+    owned(explained(options().read(true).open(path))?)
 }
 
 /// Opens a file to append to it; it is created if it is missing.

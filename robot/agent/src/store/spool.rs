@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 use std::fs::{DirBuilder, File};
-use std::io::{BufRead, BufReader, Read, Result, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,8 @@ use super::private;
 const SEGMENT_BYTES: u64 = 1 << 20;
 /// Longest line that is read: a message of the contract is shorter.
 const LINE_MAX_BYTES: u64 = 512 * 1024;
+/// Attempts to read a segment before it is left out: the process may have too many open files for a while.
+pub const READ_ATTEMPTS: u32 = 6;
 
 /// Number of a segment, and the bytes of it that are done with.
 pub type Position = (u64, u64);
@@ -40,6 +42,10 @@ pub struct Spool {
     /// Bytes of the first segment that were taken back.
     offset: u64,
     reader: Option<BufReader<File>>,
+    /// Failed attempts to read the first segment.
+    failures: u32,
+    /// Messages that cannot be read, since the last call of [`Spool::lost`].
+    lost: u64,
     /// Segments that were taken back.
     done: Vec<u64>,
 }
@@ -80,6 +86,8 @@ impl Spool {
             is_dirty: false,
             offset,
             reader: None,
+            failures: 0,
+            lost: 0,
             done: done.into_iter().map(|segment| segment.id).collect(),
         })
     }
@@ -130,9 +138,12 @@ impl Spool {
         while self.bytes() + bytes > self.bytes_max && self.segments.len() > 1 {
             while self.offset < self.segments.front().map_or(0, |first| first.bytes) {
                 match self.line() {
-                    Ok(Some(_)) => dropped += 1,
-                    Ok(None) => {}
-                    Err(_) => break,
+                    // A damaged line was a message, too.
+                    Ok(_) => dropped += 1,
+                    Err(_) => {
+                        dropped += 1;
+                        break;
+                    }
                 }
             }
             self.leave();
@@ -143,7 +154,8 @@ impl Spool {
     /// The next contacts, and the position after them; `None` if nothing waits.
     ///
     /// # Errors
-    /// The operating system refuses. The segment is left out then.
+    /// The operating system refuses. The next call tries again. At the last of [`READ_ATTEMPTS`] the segment is left out,
+    /// and counts as one lost message: how many it has is not known.
     pub fn take(&mut self) -> Result<Option<(Vec<u8>, Position)>> {
         while let Some(Segment { id, bytes }) = self.segments.front() {
             let id = *id;
@@ -153,9 +165,13 @@ impl Spool {
             }
             match self.line() {
                 Ok(Some(contacts)) => return Ok(Some((contacts, (id, self.offset)))),
-                Ok(None) => {}
+                Ok(None) => self.lost += 1,
                 Err(problem) => {
-                    self.leave();
+                    (self.reader, self.failures) = (None, self.failures + 1);
+                    if self.failures >= READ_ATTEMPTS {
+                        self.lost += 1;
+                        self.leave();
+                    }
                     return Err(problem);
                 }
             }
@@ -163,11 +179,16 @@ impl Spool {
         Ok(None)
     }
 
+    /// Messages that could not be read since the last call.
+    pub fn lost(&mut self) -> u64 {
+        std::mem::take(&mut self.lost)
+    }
+
     /// The next line of the first segment; `None` if it is damaged, as after a power cut.
     fn line(&mut self) -> Result<Option<Vec<u8>>> {
         let Some(first) = self.segments.front() else { return Ok(None) };
         if self.reader.is_none() {
-            let mut file = private::read(&self.path(first.id))?;
+            let mut file = private::read_linked(&self.path(first.id))?;
             file.seek(SeekFrom::Start(self.offset))?;
             self.reader = Some(BufReader::new(file));
         }
@@ -184,7 +205,7 @@ impl Spool {
         if let Some(first) = self.segments.pop_front() {
             self.done.push(first.id);
         }
-        (self.offset, self.reader) = (0, None);
+        (self.offset, self.reader, self.failures) = (0, None, 0);
         if self.segments.is_empty() {
             self.writer = None;
         }
@@ -196,9 +217,25 @@ impl Spool {
         self.writer.as_ref().filter(|_| is_dirty).map(File::try_clone)
     }
 
-    /// The segments that were taken back. Remove them once the file of the outbox is on the disk.
-    pub fn done(&mut self) -> Vec<PathBuf> {
-        std::mem::take(&mut self.done).into_iter().map(|id| self.path(id)).collect()
+    /// The segments that were taken back. [`Spool::remove`] them once the file of the outbox is on the disk.
+    #[must_use]
+    pub fn done(&self) -> Vec<u64> {
+        self.done.clone()
+    }
+
+    /// Removes segments that were taken back. Those that remain are still among [`Spool::done`].
+    ///
+    /// # Errors
+    /// The operating system refuses for one of them.
+    pub fn remove(&mut self, done: &[u64]) -> Result<()> {
+        let mut removed = Ok(());
+        for &id in done {
+            match std::fs::remove_file(self.path(id)) {
+                Err(problem) if problem.kind() != ErrorKind::NotFound => removed = Err(problem),
+                Ok(()) | Err(_) => self.done.retain(|&other| other != id),
+            }
+        }
+        removed
     }
 
     fn path(&self, id: u64) -> PathBuf {
@@ -258,12 +295,12 @@ mod tests {
         }
         // Some were taken back after the position that the outbox knows of.
         let mut again = Spool::open(&folder.0, position, 1 << 30).unwrap();
-        again.done().iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        again.remove(&again.done()).unwrap();
         again.append(&message(500)).unwrap();
         assert!(all(&mut again) == expected(250..501) && again.is_empty());
         again.append(&message(501)).unwrap();
         assert!(all(&mut again) == expected(501..502), "it goes on after it was empty");
-        again.done().iter().for_each(|path| std::fs::remove_file(path).unwrap());
+        again.remove(&again.done()).unwrap();
         assert_eq!(std::fs::read_dir(&folder.0).unwrap().count(), 0, "nothing is left on the disk");
     }
 
@@ -277,7 +314,20 @@ mod tests {
     }
 
     #[test]
-    fn a_power_cut_costs_only_the_lines_that_it_tore() {
+    fn regress_a_damaged_message_without_room_is_counted() {
+        let folder = Folder::new("damaged");
+        let mut spool = Spool::open(&folder.0, None, 2 << 20).unwrap();
+        (0..110).for_each(|number| assert_eq!(spool.append(&message(number)).unwrap(), 0));
+        let path = folder.0.join(format!("{:016x}", 1));
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[15_000] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+        let dropped: u64 = (110..220).map(|number| spool.append(&message(number)).unwrap()).sum();
+        assert!(dropped > 100 && all(&mut spool) == expected(dropped..220), "{dropped}");
+    }
+
+    #[test]
+    fn a_power_cut_costs_only_the_lines_that_it_tore_and_they_are_counted() {
         let folder = Folder::new("torn");
         let mut spool = Spool::open(&folder.0, None, 1 << 30).unwrap();
         (0..3).for_each(|number| assert_eq!(spool.append(&message(number)).unwrap(), 0));
@@ -293,6 +343,7 @@ mod tests {
             let lost = if damaged.is_some() { 1 } else { 2 };
             let left: Vec<Vec<u8>> = [0, 1, 2, 9].into_iter().filter(|&number| number != lost).map(message).collect();
             assert!(all(&mut spool) == left, "{cut} {damaged:?}");
+            assert_eq!(spool.lost(), 1, "{cut} {damaged:?}");
             std::fs::remove_file(folder.0.join(format!("{:016x}", 2))).unwrap();
         }
     }

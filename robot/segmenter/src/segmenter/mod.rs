@@ -189,6 +189,7 @@ impl Segmenter {
             self.intake.counts.interrupted += 1;
         }
         self.ring.clear();
+        self.intake.counts.interrupted += self.young.len() as u64;
         self.young.clear();
         self.step = None;
         if self.baseline.ready() {

@@ -35,7 +35,7 @@ impl Segmenter {
                 self.end_touch(bin);
             }
             if off || matches!(self.state, State::Away) {
-                self.held.clear();
+                self.forget_held();
                 self.refer_to(bin, rest.strain, rest.strain_2, true);
             }
             self.provisional = false;
@@ -44,16 +44,24 @@ impl Segmenter {
             self.provisional = false;
             self.elections = self.rest.elections;
         } else if !self.provisional && self.elections != self.rest.elections {
-            self.held.clear();
+            self.forget_held();
             self.refer_to(bin, rest.strain, rest.strain_2, false);
         } else if let (State::Away, Some(here)) = (&self.state, self.rest.here()) {
             self.refer_to(bin, here.strain, here.strain_2, true);
         }
     }
 
+    /// Forgets the contacts that are held back: their reference was no rest.
+    fn forget_held(&mut self) {
+        self.intake.counts.doubtful += self.held.len() as u64;
+        self.held.clear();
+    }
+
     /// Makes a level the reference. `is_here` tells whether the strain is at this level now.
     fn refer_to(&mut self, bin: &Bin, strain: f64, strain_2: f64, is_here: bool) {
+        let before = self.young.len();
         self.young.retain(|young| young.sure);
+        self.intake.counts.doubtful += (before - self.young.len()) as u64;
         self.baseline.begin(bin.t_s, strain, strain_2);
         self.elections = self.rest.elections;
         self.state = if is_here { State::Quiet { above: 0, sign: 1.0 } } else { State::Away };

@@ -431,3 +431,35 @@ fn the_outbox_is_bounded_and_drops_the_oldest() {
     let status = bench.statuses().pop().unwrap();
     assert_eq!(status.contacts_dropped, Some(bench.agent.messages_dropped()));
 }
+
+#[test]
+fn regress_a_gauge_that_was_bad_is_good_once_its_driver_begins_anew_without_a_fault() {
+    let gauge = |bench: &mut Bench| {
+        bench.run(1.0);
+        bench.hold([0.1, 0.1], 0.5);
+        bench.statuses().pop().unwrap().whiskers[0].gauge
+    };
+    for ends in [true, false] {
+        let mut bench = Bench::running();
+        bench.line(r#"{"type":"fault","whisker":0,"gauge":"OPEN"}"#);
+        assert_eq!(gauge(&mut bench), Gauge::Open);
+        // A board that stays at its port is started by its button: only its hello shows it.
+        if ends {
+            bench.step(Input::DriverEnded(0));
+            bench.step(Input::DriverStarted(0));
+        } else {
+            bench.line(r#"{"type":"hello","version":1,"name":"board"}"#);
+        }
+        assert_eq!(gauge(&mut bench), Gauge::Ok);
+        bench.line(r#"{"type":"fault","whisker":0,"gauge":"OPEN"}"#);
+        assert_eq!(gauge(&mut bench), Gauge::Open, "it is bad still");
+    }
+}
+
+#[test]
+fn a_driver_that_begins_anew_takes_no_fault_back_that_another_one_has_reported() {
+    let mut bench = Bench::running();
+    bench.line(r#"{"type":"fault","whisker":0,"gauge":"SHORT"}"#);
+    bench.agent.chambers[0].begin(1);
+    assert_eq!(bench.agent.chambers[0].condition(Now::of_us(bench.now_us)).1, Gauge::Short);
+}

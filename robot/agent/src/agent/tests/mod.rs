@@ -89,9 +89,20 @@ impl Bench {
     }
 
     fn step(&mut self, input: Input<'_>) {
+        let mut is_asked_back = self.step_once(input);
+        while is_asked_back {
+            let contacts = self.disk.pop_front();
+            self.taken += u64::from(contacts.is_some());
+            let position = (1, self.taken);
+            is_asked_back = self.step_once(Input::CameBack(contacts.as_deref().map(|contacts| (contacts, position))));
+        }
+    }
+
+    /// Returns whether the agent asks for a message from the disk.
+    fn step_once(&mut self, input: Input<'_>) -> bool {
         let system_us = self.now_us.saturating_add_signed(self.stepped_us);
         let now = Now { system_us, ..Now::of_us(self.now_us) };
-        let mut back = 0;
+        let mut is_asked_back = false;
         for output in self.agent.step(now, input) {
             match output {
                 Output::Publish(topic, payload) => {
@@ -102,17 +113,13 @@ impl Bench {
                 Output::Tell(_, line) => self.to_others.push(line),
                 Output::Warn(text) => self.warnings.push(text),
                 Output::Spool(contacts) => self.disk.push_back(contacts),
-                Output::TakeBack(messages) => back += messages,
+                Output::TakeBack => is_asked_back = true,
                 Output::Store(record) => self.records.push(record),
                 Output::RestartDriver(..) => self.restarts += 1,
                 Output::Reconnect => self.reconnects += 1,
             }
         }
-        for _ in 0..back {
-            let Some(contacts) = self.disk.pop_front() else { return self.step(Input::CameBack(None)) };
-            self.taken += 1;
-            self.step(Input::CameBack(Some((&contacts, (1, self.taken)))));
-        }
+        is_asked_back
     }
 
     /// Moves the time from deadline to deadline.

@@ -122,6 +122,15 @@ fn messages_that_were_never_sent_get_numbers_of_the_new_boot() {
 }
 
 #[test]
+fn regress_a_message_of_another_version_that_cannot_be_read_is_counted() {
+    let mut stored = stored(false);
+    let message = stored.boots[0].messages.values_mut().next().unwrap();
+    *message = crate::store::Payload::new(br#"{"later":true}"#).unwrap();
+    let bench = Bench::after(|_| {}, "b2", stored, START + 60 * S);
+    assert_eq!((bench.agent.messages_kept(), bench.agent.messages_dropped()), (2, 1));
+}
+
+#[test]
 fn no_older_setpoint_is_applied_after_a_restart() {
     let mut bench = Bench::running();
     bench.order(7, 0.12);
@@ -264,4 +273,31 @@ fn regress_hours_without_a_supervisor_go_to_the_disk_and_come_back_in_order() {
     bench.touch(0);
     bench.run(0.2);
     assert_eq!(bench.contacts().len(), 1, "memory is used again");
+}
+
+#[test]
+fn regress_what_comes_back_from_the_disk_keeps_the_bounds_of_the_outbox() {
+    for (messages, bytes, per_message) in [(100, 1 << 20, 1), (10_000, 65_536, 100)] {
+        let mut bench = Bench::new(|config| {
+            (config.limits.outbox_messages, config.limits.outbox_bytes) = (messages, bytes);
+            (config.limits.contacts_per_message, config.limits.contacts_per_s) = (per_message, 1e4);
+            config.outbox_file = Some("outbox".into());
+        });
+        bench.step(Input::DriverStarted(0));
+        for _ in 0..300 {
+            bench.read(0, 0.1);
+            (0..per_message).for_each(|_| bench.touch(0));
+            bench.run(0.2);
+        }
+        assert!(bench.disk.len() > 100, "{}", bench.disk.len());
+        bench.step(Input::Connected);
+        for _ in 0..300 {
+            let next = bench.contacts().iter().map(|message| message.seq + 1).max();
+            next.into_iter().for_each(|next| bench.receipt("b1", next));
+            assert!(bench.agent.outbox.len() <= messages && bench.agent.outbox.bytes() <= bytes);
+            bench.run(0.2);
+            bench.read(0, 0.1);
+        }
+        assert_eq!((bench.disk.len(), bench.agent.messages_kept(), bench.agent.messages_dropped()), (0, 0, 0));
+    }
 }

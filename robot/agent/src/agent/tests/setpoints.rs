@@ -1,6 +1,6 @@
 //! Setpoints, touch tests, and the loss of the supervisor.
 
-use vibrissa_protocol::OnSupervisorLoss;
+use vibrissa_protocol::{Estimate, OnSupervisorLoss};
 
 use super::*;
 
@@ -129,6 +129,30 @@ fn the_loss_of_the_supervisor_is_handled_as_the_factsheet_states() {
         bench.hold([0.12, 0.1], 4.0);
         assert_eq!(bench.pressures(0).last(), Some(&pressure), "{rule}");
     }
+}
+
+#[test]
+fn regress_an_estimate_that_the_broker_repeats_at_each_connection_does_not_hide_a_loss() {
+    let mut bench = Bench::new(|config| config.facts.on_supervisor_loss = OnSupervisorLoss::Vent);
+    bench.step(Input::Connected);
+    bench.step(Input::DriverStarted(0));
+    bench.read(0, 0.12);
+    let kept =
+        Estimate { boot_id: supervisor(), seq: 0, epoch: 1, version: 1, timestamp: Timestamp(START), whiskers: vec![] };
+    bench.send(RobotTopic::Estimate, &kept);
+    bench.order(1, 0.12);
+    for _ in 0..2 {
+        bench.hold([0.12, 0.1], 25.0);
+        bench.step(Input::Disconnected);
+        bench.step(Input::Connected);
+        bench.send(RobotTopic::Estimate, &kept);
+    }
+    assert_eq!(bench.pressures(0).last(), Some(&0.12));
+    bench.hold([0.12, 0.1], 15.0);
+    assert_eq!(bench.pressures(0).last(), Some(&0.0), "60 s after the last message of the supervisor");
+    // A newer one is a message of a supervisor.
+    bench.send(RobotTopic::Estimate, &Estimate { version: 2, ..kept });
+    assert!(bench.agent.supervision.lost_at().is_some());
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Several drivers of one agent: each has its whiskers, its silence and its rates, and their values are joined by time.
 
+use std::collections::BTreeSet;
+
 use vibrissa_protocol::{Contact, PlaceKind, Regulator};
 
 use super::*;
@@ -102,6 +104,18 @@ fn a_flood_of_one_driver_leaves_the_rates_of_another_one() {
 /// Strain of the board and motion of `host` for six seconds with one touch; `late_us` is how late the host's lines
 /// come.
 fn touch_of_two(bench: &mut Bench, host: usize, late_us: u64, gap_blocks: std::ops::Range<u64>, value: &str) {
+    touch_of_two_then(bench, host, late_us, gap_blocks, value, |_, _| {});
+}
+
+/// The same; `then` follows each tenth of a second.
+fn touch_of_two_then(
+    bench: &mut Bench,
+    host: usize,
+    late_us: u64,
+    gap_blocks: std::ops::Range<u64>,
+    value: &str,
+    then: impl Fn(&mut Bench, u64),
+) {
     let begin_us = bench.now_us;
     let way_mm = |s: f64| ((s - 3.0) / 0.2).clamp(0.0, 1.0) * 2.0 - ((s - 4.0) / 0.2).clamp(0.0, 1.0) * 2.0;
     let motion = |block: u64| {
@@ -135,6 +149,7 @@ fn touch_of_two(bench: &mut Bench, host: usize, late_us: u64, gap_blocks: std::o
         if let Some(heard) = heard.filter(|heard| !gap_blocks.contains(heard)) {
             bench.say(host, &motion(heard));
         }
+        then(bench, block);
     }
 }
 
@@ -194,6 +209,16 @@ fn parts_of_a_contact_are_joined_by_time_in_either_order() {
         assert!(sent.iter().all(|one| (one.strain, one.deflection_mm, one.t_us) == (0.01, 2.0, t_us)), "{sent:?}");
         assert_eq!(bench.agent.counts().contacts_unusable, if joined == 0 { 2 } else { 0 });
     }
+}
+
+#[test]
+fn regress_parts_beyond_those_that_wait_are_counted_too() {
+    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Ratio);
+    bench.press(BOARD, 0);
+    (0..65).for_each(|_| bench.say(BOARD, r#"{"type":"contact","whisker":0,"strain":0.01}"#));
+    assert_eq!(bench.agent.counts().contacts_unusable, 1);
+    bench.run(2.0);
+    assert_eq!(bench.agent.counts().contacts_unusable, 65);
 }
 
 /// Contacts of a board whose whisker is tapped for 0.1 s each second, as stones under a wheel do.
@@ -258,11 +283,9 @@ fn two_drivers_do_not_read_one_pressure_and_one_takes_over_from_another() {
     assert!(bench.outcomes().contains(&(SetpointOutcome::Applying, None)));
 }
 
-#[test]
-fn a_touch_test_fails_with_the_driver_that_does_it() {
-    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Ratio);
-    bench.press(BOARD, 0);
-    let test = |version| TouchTest {
+/// A request for a touch test of two touches.
+fn request(version: u64) -> vibrissa_protocol::Request {
+    let test = TouchTest {
         test_id: format!("t{version}"),
         epoch: 1,
         version,
@@ -277,14 +300,64 @@ fn a_touch_test_fails_with_the_driver_that_does_it() {
         expires_us: START + 60 * S,
         reason: TouchTestReason::Operator,
     };
-    let request = |test: TouchTest| vibrissa_protocol::Request {
-        boot_id: supervisor(),
-        seq: 0,
-        request: RequestKind::TouchTest,
-        touch_test: Some(test),
-    };
+    let touch_test = Some(test);
+    vibrissa_protocol::Request { boot_id: supervisor(), seq: 0, request: RequestKind::TouchTest, touch_test }
+}
+
+#[test]
+fn regress_the_last_touch_of_a_test_counts_although_its_strain_comes_after_done() {
+    const DONE: &str = r#"{"type":"test_state","test_id":"t5","state":"DONE"}"#;
+    // The touch ends after 4.2 s.
+    for (late_us, done) in [(0, 40), (300_000, 42)] {
+        let mut bench = bench(BOARD_AND_HOST, PlaceKind::Distance);
+        bench.press(BOARD, 0);
+        bench.send(RobotTopic::Request, &request(5));
+        touch_of_two_then(&mut bench, HOST, late_us, 0..0, r#""distance_mm":52.5,"test_id":"t5""#, |bench, block| {
+            if block == done {
+                bench.say(HOST, DONE);
+            }
+        });
+        let told = told_of_tests(&mut bench);
+        assert_eq!(told, ["ACCEPTED", "RUNNING", "t5", "DONE"], "{late_us}: {:?}", bench.to_others);
+    }
+}
+
+#[test]
+fn a_test_that_is_done_does_not_fail_with_its_driver() {
+    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Distance);
+    bench.press(BOARD, 0);
+    bench.say(BOARD, r#"{"type":"strain","whisker":0,"strain":0.001}"#);
+    bench.send(RobotTopic::Request, &request(5));
+    bench.say(HOST, r#"{"type":"test_state","test_id":"t5","state":"DONE"}"#);
+    assert_eq!(told_of_tests(&mut bench), ["ACCEPTED", "RUNNING"], "strain may come");
+    bench.step(Input::DriverEnded(HOST));
+    assert_eq!(told_of_tests(&mut bench), ["DONE"]);
+}
+
+/// States of touch tests, and the tests of contacts, in the order in which they were first sent.
+fn told_of_tests(bench: &mut Bench) -> Vec<String> {
+    let told = bench.take().0.into_iter().filter_map(|message| {
+        if let Message::TestState(state) = message {
+            Some(state.state.to_string())
+        } else if let Message::Contacts(message) = message {
+            message.contacts[0].test_id.clone()
+        } else {
+            None
+        }
+    });
+    let mut told: Vec<String> = told.collect();
+    // Without a receipt a contact is sent again.
+    let mut seen = BTreeSet::new();
+    told.retain(|one| seen.insert(one.clone()));
+    told
+}
+
+#[test]
+fn a_touch_test_fails_with_the_driver_that_does_it() {
+    let mut bench = bench(BOARD_AND_HOST, PlaceKind::Ratio);
+    bench.press(BOARD, 0);
     for (ended, outcomes) in [(BOARD, 0), (HOST, 1)] {
-        bench.send(RobotTopic::Request, &request(test(5 + ended as u64)));
+        bench.send(RobotTopic::Request, &request(5 + ended as u64));
         bench.say(HOST, &format!(r#"{{"type":"test_state","test_id":"t{}","state":"RUNNING"}}"#, 5 + ended));
         bench.take();
         bench.step(Input::DriverEnded(ended));

@@ -48,9 +48,21 @@ fn felt(bench: &mut Bench, clock: Clock, more: &str, slips: bool) -> (Vec<Contac
 
 /// The same with so much strain a millimetre.
 fn felt_by(bench: &mut Bench, per_mm: f64, clock: Clock, more: &str, slips: bool) -> (Vec<Contact>, Vec<String>) {
+    felt_but(bench, per_mm, clock, more, slips, 0..0)
+}
+
+/// The same without some lines, each of 0.1 s.
+fn felt_but(
+    bench: &mut Bench,
+    per_mm: f64,
+    clock: Clock,
+    more: &str,
+    slips: bool,
+    missing: std::ops::Range<usize>,
+) -> (Vec<Contact>, Vec<String>) {
     let begin_us = bench.now_us;
     let (mut contacts, mut problems) = (Vec::new(), Vec::new());
-    for block in 0..60 {
+    for block in (0..60).filter(|block| !missing.contains(block)) {
         let seconds = |at: usize| (block * COUNT + at) as f64 * 0.01;
         // After a slip-off the whisker is free within 20 ms.
         let deflection = |at: usize| if slips && seconds(at) > 4.0 { 0.0 } else { way_mm(seconds(at), slips) };
@@ -103,6 +115,21 @@ fn a_touch_becomes_one_contact_whatever_tells_the_time() {
         let seconds = (contact.t_us - begin_us) as f64 / 1e6;
         assert!((3.1..4.2).contains(&seconds), "{clock:?}: {seconds} s");
     }
+}
+
+#[test]
+fn regress_a_contact_with_a_gap_is_shown_as_one_that_could_not_be_sent() {
+    let mut bench = bench_of(PlaceKind::Distance, Some(Sign::Rises));
+    let more = r#","deflection_mm":WAY,"distance_mm":52.5"#;
+    let (contacts, _) = felt_but(&mut bench, 0.005, Clock::Agent, more, false, 33..38);
+    assert_eq!(contacts, []);
+    let view = bench.agent.snapshot(Now::of_us(bench.now_us));
+    assert_eq!(
+        view.whiskers[0].unused.get("samples were missing in a contact or right after it"),
+        Some(&1),
+        "{view:?}"
+    );
+    assert_eq!(bench.agent.counts().contacts_unusable, 1);
 }
 
 #[test]
