@@ -7,11 +7,22 @@ use crate::driver::Opening;
 
 const STEP_MPA: f64 = 0.001_220_7;
 
+/// What the driver sends of the pressure.
+#[derive(Clone, Copy, PartialEq)]
+enum Sensor {
+    Works,
+    /// 0 V of a sensor with MPa = (V - 1) / 4.
+    ShortCircuit,
+    /// The driver sends other lines only.
+    Missing,
+}
+
 struct Air {
     bench: Bench,
     pressure_mpa: f64,
     open: Option<(Opening, u64)>,
     pulses: usize,
+    sensor: Sensor,
     leak_mpa_per_s: f64,
 }
 
@@ -20,7 +31,7 @@ impl Air {
         let mut bench = Bench::new(|config| config.drivers[0].limits.regulate = true);
         bench.step(Input::Connected);
         bench.step(Input::DriverStarted(0));
-        Self { bench, pressure_mpa: 0.1, open: None, pulses: 0, leak_mpa_per_s: 0.0 }
+        Self { bench, pressure_mpa: 0.1, open: None, pulses: 0, sensor: Sensor::Works, leak_mpa_per_s: 0.0 }
     }
 
     /// Lets time pass, with readings each 10 ms.
@@ -30,10 +41,13 @@ impl Air {
                 self.bench.now_us += 1_000;
                 self.move_air();
             }
-            self.bench.step(Input::Tick);
-            let reading_mpa = (self.pressure_mpa / STEP_MPA).round() * STEP_MPA;
             let before = self.bench.to_driver.len();
-            self.bench.read(0, reading_mpa);
+            self.bench.step(Input::Tick);
+            match self.sensor {
+                Sensor::Works => self.bench.read(0, (self.pressure_mpa / STEP_MPA).round() * STEP_MPA),
+                Sensor::ShortCircuit => self.bench.read(0, -0.25),
+                Sensor::Missing => self.bench.line(r#"{"type":"driving","driving":false}"#),
+            }
             for line in &self.bench.to_driver[before..] {
                 let ToDriver::Valve { whisker: 0, open, for_ms, .. } = line else { continue };
                 assert!((0.0..=1000.0).contains(for_ms), "{line:?}");
@@ -76,6 +90,40 @@ fn a_leak_that_the_regulator_finds_is_in_the_status() {
     air.pass(60.0);
     let status = air.bench.statuses().pop().unwrap();
     assert_eq!(status.whiskers[0].regulator, Regulator::Leak);
+}
+
+#[test]
+fn regress_a_chamber_whose_pressure_is_not_known_is_vented() {
+    for sensor in [Sensor::ShortCircuit, Sensor::Missing] {
+        for is_known_at_first in [true, false] {
+            let mut air = Air::new();
+            if is_known_at_first {
+                air.pass(1.0);
+            }
+            air.sensor = sensor;
+            air.pass(30.0);
+            assert!(air.pressure_mpa < 0.001, "{}", air.pressure_mpa);
+            let status = air.bench.statuses().pop().unwrap();
+            assert_eq!(status.whiskers[0].regulator, Regulator::Fault);
+            // It ends by itself.
+            air.sensor = Sensor::Works;
+            air.pass(15.0);
+            assert!((air.pressure_mpa - 0.1).abs() < 2.0 * STEP_MPA, "{}", air.pressure_mpa);
+        }
+    }
+}
+
+#[test]
+fn a_pause_between_two_readings_is_no_fault() {
+    let mut air = Air::new();
+    air.pass(10.0);
+    for _ in 0..20 {
+        air.sensor = Sensor::Missing;
+        air.pass(0.7);
+        air.sensor = Sensor::Works;
+        air.pass(0.1);
+    }
+    assert!((air.pressure_mpa - 0.1).abs() < 2.0 * STEP_MPA, "{}", air.pressure_mpa);
 }
 
 #[test]
