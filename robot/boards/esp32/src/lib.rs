@@ -25,6 +25,8 @@ const STRAIN_US: u64 = 10_000;
 const PRESSURE_US: u64 = 250_000;
 /// Without an order for this long the board vents. µs.
 const SILENT_US: u64 = 5_000_000;
+/// An order may exceed the limit by the zero of a sensor, which the agent adds, MPa. It counts as the limit.
+const ABOVE_MPA: f32 = 0.01;
 /// Length of a pulse that ends a pressure above the limit. µs.
 const RELIEF_US: u32 = 100_000;
 
@@ -146,10 +148,10 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         }
         if is_text(kind, "set_pressure") {
             let Some(mpa) = field(line, "pressure_mpa").and_then(number) else { return };
-            if (0.0..=self.limit_mpa).contains(&mpa) {
+            if (0.0..=self.limit_mpa + ABOVE_MPA).contains(&mpa) {
                 self.heard(now_us);
                 self.by_hand = false;
-                self.regulator.set_target(mpa, field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
+                self.regulator.set_target(mpa.min(self.limit_mpa), field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
             }
         } else if is_text(kind, "valve") {
             let Some(ms) = field(line, "for_ms").and_then(number).filter(|ms| (0.0..=1000.0).contains(ms)) else {

@@ -137,6 +137,18 @@ fn regress_lines_that_are_no_orders_for_it_do_not_keep_it_from_venting() {
 }
 
 #[test]
+fn regress_an_order_above_the_limit_by_the_zero_of_the_sensor_is_obeyed_as_the_limit() {
+    let mut bench = Bench::new();
+    let mut highest_mpa = 0.0f32;
+    for _ in 0..10 {
+        bench.say(r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.2008,"slew_mpa_per_s":0}"#);
+        bench.run(2.0);
+        highest_mpa = highest_mpa.max(bench.mpa);
+    }
+    assert!((bench.mpa - 0.2).abs() < 0.001_22 && highest_mpa < 0.2 + 0.001_22, "{} {highest_mpa}", bench.mpa);
+}
+
+#[test]
 fn it_ignores_what_is_wrong_or_for_others() {
     let mut bench = Bench::new();
     bench.run(0.5);

@@ -7,6 +7,8 @@
 namespace vibrissa {
 
 static const uint32_t PRESSURE_MS = 250, SILENT_MS = 5000, PULSE_MOST_US = 1000000, RELIEF_US = 100000;
+// An order may exceed the limit by the zero of a sensor, which the agent adds. It counts as the limit.
+static const float ABOVE_MPA = 0.01f;
 // Longest time between two samples that a line may tell.
 static const uint32_t EVERY_MOST_US = 100000;
 // A line is sent once its samples take so long.
@@ -86,9 +88,10 @@ void Whisker::obey(const char *line, bool is_pressure) {
     if (is_pressure) {
         float mpa = number(field(line, PSTR("pressure_mpa"))), slew = number(field(line, PSTR("slew_mpa_per_s")));
         // The comparison is false for a value that is not a number.
-        if (!(mpa >= 0.0f && mpa <= set->limit_mpa)) return;
+        if (!(mpa >= 0.0f && mpa <= set->limit_mpa + ABOVE_MPA)) return;
         heard();
         by_hand = false;
+        // The regulator never exceeds the limit.
         regulator.set_target(mpa, slew > 0.0f ? slew : 0.0f);
     } else {
         float ms = number(field(line, PSTR("for_ms")));
