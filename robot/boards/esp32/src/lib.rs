@@ -213,8 +213,12 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         let (strain, way_mm) = (readings.strain, readings.deflection_mm.unwrap_or_default());
         // JSON has no NaN: the next reading takes the place of one that failed.
         if now_us >= self.next_strain_us && strain.is_finite() && way_mm.is_finite() {
-            // The grid of the samples is kept, unless the board was away for longer.
-            self.next_strain_us = (self.next_strain_us + STRAIN_US).max(now_us.saturating_sub(STRAIN_US));
+            // The samples of a line are evenly spaced. After a gap both line and grid begin anew.
+            if now_us.saturating_sub(self.next_strain_us) > 3 * STRAIN_US {
+                self.strain_count = 0;
+                self.next_strain_us = now_us;
+            }
+            self.next_strain_us += STRAIN_US;
             if self.strain_count == 0 {
                 self.strain_first_us = now_us;
             }

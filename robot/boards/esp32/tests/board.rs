@@ -185,6 +185,34 @@ fn a_strain_that_cannot_be_read_is_left_out() {
 }
 
 #[test]
+fn regress_no_line_has_samples_from_before_and_after_a_gap() {
+    for is_away in [false, true] {
+        let mut bench = Bench::new();
+        bench.run(0.3);
+        bench.strain = 0.000_2;
+        bench.run(0.055);
+        if is_away {
+            bench.now_us += 1_000_000;
+        } else {
+            bench.strain = f32::NAN;
+            bench.run(1.0);
+        }
+        bench.strain = 0.000_3;
+        bench.run(0.3);
+        let begun_ms = bench.now_us / 1000 - 300;
+        let lines: Vec<&str> = bench.said.lines().filter(|line| line.contains("0.000300")).collect();
+        assert!((2..=3).contains(&lines.len()), "{lines:?}");
+        assert!(lines.iter().all(|line| !line.contains("0.000200")), "{lines:?}");
+        // The samples are 10 ms apart from the first one on.
+        for (index, line) in lines.iter().enumerate() {
+            let ms = line.split("\"t_ms\":").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
+            let late_ms = ms.parse::<u64>().unwrap() - begun_ms - 100 * index as u64;
+            assert!(late_ms <= 2, "{late_ms} ms: {lines:?}");
+        }
+    }
+}
+
+#[test]
 fn the_way_of_a_slide_is_in_the_lines_of_strain() {
     let mut bench = Bench::new();
     bench.run(0.3);
