@@ -28,7 +28,7 @@ const UNREAD_US: u64 = 1_000_000;
 const BLIND_US: u64 = 100_000;
 
 /// A regulator that never exceeds this pressure.
-fn valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
+fn new_valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
     vibrissa_regulator::Regulator::new(Params { max_mpa: max_mpa as f32, ..Params::default() })
 }
 
@@ -129,7 +129,7 @@ impl Chamber {
             gain: ReadingGain::new(facts.pressure_mpa),
             estimate: None,
             response: None,
-            valves: limits.regulate.then(|| Box::new(valves(facts.pressure_max_mpa))),
+            valves: limits.regulate.then(|| Box::new(new_valves(facts.pressure_max_mpa))),
             blind_at: Moment::NEVER,
             stream: None,
             strain_from: None,
@@ -202,9 +202,25 @@ impl Chamber {
         self.supply_mpa = supply_mpa.or(self.supply_mpa);
     }
 
-    /// The driver that reads the pressure has come, and has the time of its silence for its first reading.
+    /// The driver that reads the pressure has come, and has the time of its silence for its first reading. The agent's regulator
+    /// begins anew: a person may have repaired the chamber, and the time without the driver is no time without a reading.
     pub(super) fn expect_reading(&mut self, now: Now) {
+        self.renew_valves();
         self.blind_at = now.at + self.limits.silent_us;
+    }
+
+    /// Ends a fault of the agent's regulator. It begins anew, because its measurements are those of the broken chamber; the fault
+    /// comes back if its cause is still there.
+    pub(super) fn end_fault(&mut self) {
+        if self.valves.as_ref().is_some_and(|valves| valves.fault().is_some()) {
+            self.renew_valves();
+        }
+    }
+
+    fn renew_valves(&mut self) {
+        if let Some(valves) = &mut self.valves {
+            **valves = new_valves(self.max_mpa);
+        }
     }
 
     /// Moment at which the agent's regulator makes a step without a reading.
@@ -260,7 +276,7 @@ impl Chamber {
         self.limits = limits;
         self.regulator = None;
         let max_mpa = self.max_mpa;
-        self.valves = limits.regulate.then(|| Box::new(valves(max_mpa)));
+        self.valves = limits.regulate.then(|| Box::new(new_valves(max_mpa)));
     }
 
     /// A driver has gone, and with it its samples, its motion and its parts of contacts.

@@ -15,6 +15,8 @@ enum Sensor {
     ShortCircuit,
     /// The driver sends other lines only.
     Missing,
+    /// It stands at a reading.
+    Frozen(f64),
 }
 
 struct Air {
@@ -46,6 +48,7 @@ impl Air {
             match self.sensor {
                 Sensor::Works => self.bench.read(0, (self.pressure_mpa / STEP_MPA).round() * STEP_MPA),
                 Sensor::ShortCircuit => self.bench.read(0, -0.25),
+                Sensor::Frozen(mpa) => self.bench.read(0, mpa),
                 Sensor::Missing => self.bench.line(r#"{"type":"driving","driving":false}"#),
             }
             for line in &self.bench.to_driver[before..] {
@@ -114,6 +117,34 @@ fn regress_a_chamber_whose_pressure_is_not_known_is_vented() {
 }
 
 #[test]
+fn regress_a_fault_ends_with_the_next_setpoint_or_start_of_the_driver() {
+    for is_ordered in [true, false] {
+        let mut air = Air::new();
+        air.pass(10.0);
+        air.sensor = Sensor::Frozen(0.1);
+        air.bench.order(1, 0.15);
+        air.pass(60.0);
+        assert_eq!(air.bench.statuses().pop().unwrap().whiskers[0].regulator, Regulator::Fault);
+        assert!(air.pressure_mpa < 0.001, "{}", air.pressure_mpa);
+        air.sensor = Sensor::Works;
+        air.pass(10.0);
+        assert_eq!(air.bench.statuses().pop().unwrap().whiskers[0].regulator, Regulator::Fault);
+        assert!(air.pressure_mpa < 0.001, "only a setpoint or a start ends it: {}", air.pressure_mpa);
+        if is_ordered {
+            air.bench.order(2, 0.15);
+        } else {
+            air.bench.step(Input::DriverEnded(0));
+            air.bench.step(Input::DriverStarted(0));
+        }
+        air.pass(15.0);
+        assert!((air.pressure_mpa - 0.15).abs() < 2.0 * STEP_MPA, "{}", air.pressure_mpa);
+        if is_ordered {
+            assert_eq!(air.bench.outcomes().last(), Some(&(SetpointOutcome::Applied, None)));
+        }
+    }
+}
+
+#[test]
 fn a_pause_between_two_readings_is_no_fault() {
     let mut air = Air::new();
     air.pass(10.0);
@@ -123,6 +154,15 @@ fn a_pause_between_two_readings_is_no_fault() {
         air.sensor = Sensor::Works;
         air.pass(0.1);
     }
+    assert!((air.pressure_mpa - 0.1).abs() < 2.0 * STEP_MPA, "{}", air.pressure_mpa);
+    // Nor is a first reading that is refused.
+    air.bench.step(Input::DriverEnded(0));
+    air.bench.run(3.0);
+    air.bench.step(Input::DriverStarted(0));
+    air.sensor = Sensor::ShortCircuit;
+    air.pass(0.05);
+    air.sensor = Sensor::Works;
+    air.pass(0.2);
     assert!((air.pressure_mpa - 0.1).abs() < 2.0 * STEP_MPA, "{}", air.pressure_mpa);
 }
 
