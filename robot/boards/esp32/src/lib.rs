@@ -151,7 +151,8 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
             if (0.0..=self.limit_mpa + ABOVE_MPA).contains(&mpa) {
                 self.heard(now_us);
                 self.by_hand = false;
-                self.regulator.set_target(mpa.min(self.limit_mpa), field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
+                self.regulator
+                    .set_target(mpa.min(self.limit_mpa), field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
             }
         } else if is_text(kind, "valve") {
             let Some(ms) = field(line, "for_ms").and_then(number).filter(|ms| (0.0..=1000.0).contains(ms)) else {
