@@ -208,7 +208,7 @@ bool Whisker::sample(void (*tick)(), bool may_put) {
         put_gauge();
         return true;
     }
-    if (absent && !count) put_gauge();
+    if ((absent || clipped) && !count) put_gauge();
     return false;
 }
 
@@ -240,11 +240,13 @@ void Whisker::put_samples(void (*tick)()) {
 void Whisker::put_gauge() {
     uint32_t now_ms = millis();
     Sample now = absent ? ABSENT : clipped ? CLIPPED : GOOD;
-    absent = clipped = false;
     if (now != GOOD) bad_ms = now_ms;
     else if (reported != GOOD && now_ms - bad_ms < CLEAN_MS) now = reported;
     bool is_due = now != reported || (now != GOOD && now_ms - reported_ms >= REPORT_MS);
-    if (!is_due || out_room() < 110) return;
+    // A line waits for room, and with it what it is to tell.
+    if (is_due && out_room() < 110) return;
+    absent = clipped = false;
+    if (!is_due) return;
     reported = now;
     reported_ms = now_ms;
     put_head(PSTR("fault"), now_ms);
