@@ -200,8 +200,15 @@ impl Bridge {
             if let Some(mapped) = &mut self.mapped {
                 (mapped.driving, mapped.task) = (None, None);
             }
-            let reported = || self.whiskers.iter().filter_map(Whisker::reported).map(Output::Line).collect();
-            return if is_same { reported() } else { vec![stop()] };
+            if !is_same {
+                return vec![stop()];
+            }
+            for named in whiskers {
+                if let Some(&index) = self.index.get(&(named.array.clone(), named.whisker)) {
+                    self.whiskers[index].rename(named);
+                }
+            }
+            return self.whiskers.iter().filter_map(Whisker::reported).map(Output::Line).collect();
         }
         if whiskers.len() > WHISKERS_MAX {
             let many = whiskers.len();

@@ -142,6 +142,18 @@ fn bad_commands_change_nothing() {
 }
 
 #[test]
+fn regress_the_newest_hello_tells_the_highest_pressure() {
+    for (max_mpa, mpa, is_obeyed) in [(0.3, 0.25, true), (0.15, 0.18, false)] {
+        let mut bridge = bridge(Pressures::Gauge);
+        let whisker = json!({"array": "left", "whisker": 0, "pressure_mpa": 0.1, "pressure_max_mpa": max_mpa});
+        say(&mut bridge, 1.0, &json!({"type": "hello", "version": 1, "whiskers": [whisker]}));
+        read(&mut bridge, 1.0, mpa * 1e6);
+        command(&mut bridge, 1.0, mpa);
+        assert_eq!(!setpoints_pa(&tick(&mut bridge, 1.1)).is_empty(), is_obeyed, "{max_mpa}");
+    }
+}
+
+#[test]
 fn silent_whiskers_are_reported_again_and_again_and_their_return_once() {
     let mut bridge = bridge(Pressures::Gauge);
     let fault = |outputs: Vec<Output>| {

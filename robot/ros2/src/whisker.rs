@@ -84,6 +84,11 @@ impl Whisker {
         &self.named
     }
 
+    /// Takes what a new `hello` says of it: another agent may have another limit of the pressure.
+    pub(crate) fn rename(&mut self, named: Named) {
+        self.named = named;
+    }
+
     /// Whether nothing takes its setpoints.
     pub(crate) fn is_passive(&self) -> bool {
         self.is_passive

@@ -7,8 +7,10 @@ const SETPOINT_MPA: f64 = 0.000_5;
 const PRESSURE_MPA: f64 = 0.003;
 /// The baseline moves for so long after a change of the setpoint, and of the pressure. s.
 const AFTER_S: (f64, f64) = (1.0, 0.6);
+/// Readings that contradict the setpoint for longer than this count instead: a driver reads once a second at least. s.
+const CONTRADICT_S: f64 = 1.2;
 /// Time constant of a chamber before its readings tell it, and its range. s.
-const FILLS_S: (f64, f64, f64) = (0.2, 0.05, 2.0);
+const FILLS_S: (f64, f64, f64) = (0.2, 0.05, 20.0);
 /// Part of the way of the pressure since the last reading that is not known: the chamber may fill half or twice as fast.
 const UNKNOWN: f64 = 0.25;
 /// Part of a shift that the history of the rubber changes, and part of the earlier steps that the next one leaves.
@@ -30,11 +32,15 @@ pub(crate) enum Phase {
     Over,
 }
 
-/// The pressure, between two readings by a filter of first order to the setpoint.
+/// The pressure, between two readings by a filter of first order to the setpoint, or to a reading that contradicts it.
 #[derive(Clone, Debug, Default)]
 struct Chamber {
     mpa: Option<f64>,
     setpoint_mpa: f64,
+    aim_mpa: f64,
+    /// Distance from the newest reading, and since when it contradicts.
+    off_mpa: f64,
+    off_since_s: Option<f64>,
     fills_s: f64,
     /// Time and pressure of the last reading that counts, or of the change of the setpoint.
     known: (f64, f64),
@@ -104,13 +110,16 @@ impl Air {
         self.response.squares > 0.0 && self.response.error() * way_mpa < within.max(KNOWN * shift)
     }
 
-    /// Possible error of the strain: the unknown part of the shift, and that of the pressure.
+    /// Possible error of the strain: the unknown part of the shift, and that of the pressure. The pressure is between the
+    /// newest reading and where it should be by now.
     pub(crate) fn doubt(&self) -> f64 {
         let all_mpa = self.chamber.setpoint_mpa - self.before_mpa;
         let left_mpa = self.chamber.setpoint_mpa - self.chamber.known.1;
         let shift = self.response.error() * all_mpa.abs();
         match self.phase {
-            Phase::Moves => shift + UNKNOWN * (self.response.per_mpa(0) * left_mpa).abs(),
+            Phase::Moves => {
+                shift + self.response.per_mpa(0).abs() * (UNKNOWN * left_mpa.abs()).max(self.chamber.off_mpa)
+            }
             Phase::Settles => shift,
             Phase::Over => 0.0,
         }
@@ -149,26 +158,46 @@ impl Chamber {
         let setpoint_mpa = bin.setpoint_mpa.or(self.reading_mpa)?;
         let Some(mpa) = self.mpa else {
             (self.mpa, self.setpoint_mpa, self.fills_s) = (Some(setpoint_mpa), setpoint_mpa, FILLS_S.0);
+            self.aim_mpa = setpoint_mpa;
             self.known = (bin.t_s, setpoint_mpa);
             return None;
         };
-        let mut mpa = self.setpoint_mpa + (mpa - self.setpoint_mpa) * (-dt_s / self.fills_s).exp();
+        let mut mpa = self.aim_mpa + (mpa - self.aim_mpa) * (-dt_s / self.fills_s).exp();
         if let Some(reading_mpa) = news {
             let left = (self.setpoint_mpa - reading_mpa) / (self.setpoint_mpa - self.known.1);
-            if left > 0.0 && left < 1.0 {
+            let is_on_its_way = left > 0.0 && left < 1.0;
+            if is_on_its_way {
                 self.fills_s = ((self.known.0 - bin.t_s) / left.ln()).clamp(FILLS_S.1, FILLS_S.2);
             }
             mpa = reading_mpa;
+            self.aim_mpa = if is_on_its_way { self.setpoint_mpa } else { reading_mpa };
+            self.known = (bin.t_s, mpa);
+        }
+        let contradicts = self.contradicts(bin, mpa);
+        if let Some(reading_mpa) = contradicts.filter(|_| self.off_since_s.is_none()) {
+            (mpa, self.aim_mpa) = (reading_mpa, reading_mpa);
             self.known = (bin.t_s, mpa);
         }
         self.mpa = Some(mpa);
         if (setpoint_mpa - self.setpoint_mpa).abs() > SETPOINT_MPA {
-            self.setpoint_mpa = setpoint_mpa;
+            (self.setpoint_mpa, self.aim_mpa) = (setpoint_mpa, setpoint_mpa);
             self.known = (bin.t_s, mpa);
             self.fills_s = FILLS_S.0;
             return Some(AFTER_S.0);
         }
-        news.map(|_| AFTER_S.1)
+        news.or(contradicts).map(|_| AFTER_S.1)
+    }
+
+    /// The newest reading, if it contradicts the pressure that should be by now. It has done so for long, and counts, once
+    /// `off_since_s` is none.
+    fn contradicts(&mut self, bin: &Bin, mpa: f64) -> Option<f64> {
+        self.off_mpa = bin.pressure_mpa.map_or(0.0, |reading_mpa| (reading_mpa - mpa).abs());
+        // Twice the noise of readings must not end it and begin it again.
+        let least_mpa = if self.off_since_s.is_some() { 0.5 } else { 1.0 } * PRESSURE_MPA;
+        let reading_mpa = bin.pressure_mpa.filter(|_| self.off_mpa > least_mpa);
+        let since_s = self.off_since_s.filter(|_| reading_mpa.is_some()).unwrap_or(bin.t_s);
+        self.off_since_s = reading_mpa.map(|_| since_s).filter(|since_s| bin.t_s - since_s <= CONTRADICT_S);
+        reading_mpa
     }
 }
 

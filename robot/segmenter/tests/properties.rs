@@ -1,5 +1,6 @@
 //! The segmenter on simulated streams (docs/segmenter.md has the long version), and on streams that are odd.
 
+mod air;
 mod stream;
 
 use stream::scene::{Glitches, HABITS, Habit, Motion, Polarity, Scene};

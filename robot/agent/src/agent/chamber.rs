@@ -22,8 +22,13 @@ use applying::Applying;
 /// Most reasons for unused contacts that are told apart.
 const REASONS_MAX: usize = 16;
 
+/// Time without a reading after which a regulator of the agent is told that none comes. A driver reads 20 times a second.
+const UNREAD_US: u64 = 1_000_000;
+/// Time between its steps from then on.
+const BLIND_US: u64 = 100_000;
+
 /// A regulator that never exceeds this pressure.
-fn valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
+fn new_valves(max_mpa: f64) -> vibrissa_regulator::Regulator {
     vibrissa_regulator::Regulator::new(Params { max_mpa: max_mpa as f32, ..Params::default() })
 }
 
@@ -71,6 +76,8 @@ pub(super) struct Chamber {
     pub(super) response: Option<Response>,
     /// Regulates the pressure with pulses of the valves, if the driver does not.
     valves: Option<Box<vibrissa_regulator::Regulator>>,
+    /// Moment at which that regulator makes a step without a reading.
+    blind_at: Moment,
     /// Samples of the gauge, if a driver sends them, and that driver.
     pub(super) stream: Option<Box<Stream>>,
     pub(super) strain_from: Option<usize>,
@@ -125,7 +132,8 @@ impl Chamber {
             gain: ReadingGain::new(facts.pressure_mpa),
             estimate: None,
             response: None,
-            valves: limits.regulate.then(|| Box::new(valves(facts.pressure_max_mpa))),
+            valves: limits.regulate.then(|| Box::new(new_valves(facts.pressure_max_mpa))),
+            blind_at: Moment::NEVER,
             stream: None,
             strain_from: None,
             motion: Motion::default(),
@@ -182,6 +190,7 @@ impl Chamber {
     pub(super) fn read(&mut self, reading: Reading) {
         // A line that was on its way before the setpoint says nothing of it, nor does an older one than the newest.
         (self.reading, self.is_waiting) = (Some(reading), false);
+        self.blind_at = reading.at + UNREAD_US;
         let is_near = (reading.pressure_mpa - self.target_mpa).abs() <= self.limits.tolerance_mpa;
         let settle_us = self.limits.settle_us;
         if let Some(applying) = &mut self.applying {
@@ -196,12 +205,44 @@ impl Chamber {
         self.supply_mpa = supply_mpa.or(self.supply_mpa);
     }
 
-    /// The pulse of a valve that the newest reading calls for, if the agent regulates. The regulator's condition is that of the
-    /// chamber then.
-    pub(super) fn pulse(&mut self, now: Now) -> Option<ToDriver> {
-        let (valves, reading) = (self.valves.as_mut()?, self.reading?);
+    /// The driver that reads the pressure has come, and has the time of its silence for its first reading. The agent's regulator
+    /// begins anew: a person may have repaired the chamber, and the time without the driver is no time without a reading.
+    pub(super) fn expect_reading(&mut self, now: Now) {
+        self.renew_valves();
+        self.blind_at = now.at + self.limits.silent_us;
+    }
+
+    /// Ends a fault of the agent's regulator. It begins anew, because its measurements are those of the broken chamber; the fault
+    /// comes back if its cause is still there.
+    pub(super) fn end_fault(&mut self) {
+        if self.valves.as_ref().is_some_and(|valves| valves.fault().is_some()) {
+            self.renew_valves();
+        }
+    }
+
+    fn renew_valves(&mut self) {
+        if let Some(valves) = &mut self.valves {
+            **valves = new_valves(self.max_mpa);
+        }
+    }
+
+    /// Moment at which the agent's regulator makes a step without a reading.
+    pub(super) fn blind_at(&self) -> Option<Moment> {
+        self.valves.as_ref().map(|_| self.blind_at)
+    }
+
+    /// The pulse of a valve without a usable reading: the regulator closes the valves, and soon vents.
+    pub(super) fn pulse_blindly(&mut self, now: Now) -> Option<ToDriver> {
+        self.blind_at = self.blind_at.max(now.at + BLIND_US);
+        self.pulse(now, f64::NAN)
+    }
+
+    /// The pulse of a valve that a reading calls for, if the agent regulates. The regulator's condition is that of the chamber
+    /// then.
+    pub(super) fn pulse(&mut self, now: Now, pressure_mpa: f64) -> Option<ToDriver> {
+        let valves = self.valves.as_mut()?;
         valves.set_target(self.target_mpa as f32, self.slew_mpa_per_s as f32);
-        let command = valves.step(now.at.as_us(), reading.pressure_mpa as f32, self.supply_mpa.map(|mpa| mpa as f32));
+        let command = valves.step(now.at.as_us(), pressure_mpa as f32, self.supply_mpa.map(|mpa| mpa as f32));
         self.regulator = Some(match valves.condition() {
             Condition::Ok => Regulator::Ok,
             Condition::Filling => Regulator::Filling,
@@ -247,7 +288,7 @@ impl Chamber {
         self.limits = limits;
         self.regulator = None;
         let max_mpa = self.max_mpa;
-        self.valves = limits.regulate.then(|| Box::new(valves(max_mpa)));
+        self.valves = limits.regulate.then(|| Box::new(new_valves(max_mpa)));
     }
 
     /// A driver has gone, and with it its samples, its motion and its parts of contacts.

@@ -112,7 +112,44 @@ impl Agent {
     pub(super) fn driver_started(&mut self, from: usize, now: Now, out: &mut Vec<Output>) {
         self.drivers[from].start(now);
         self.chambers.iter_mut().for_each(|chamber| chamber.begin(from));
+        self.expect_readings(from, now);
         self.greet(from, now, out);
+    }
+
+    /// A driver that is there from now on has yet to read the pressures of its chambers.
+    pub(super) fn expect_readings(&mut self, from: usize, now: Now) {
+        for at in self.drivers[from].serves.clone() {
+            if self.reader(at) == Some(from) {
+                self.chambers[at].expect_reading(now);
+            }
+        }
+    }
+
+    /// The driver that reads the pressure of a whisker; before the first reading, the first of its drivers.
+    fn reader(&self, at: usize) -> Option<usize> {
+        self.chambers[at].holder.or_else(|| self.drivers.iter().position(|one| one.serves.contains(&at)))
+    }
+
+    /// The driver whose valves the agent moves, if it is there.
+    pub(super) fn moves_valves(&self, at: usize) -> Option<usize> {
+        self.reader(at).filter(|&reader| self.drivers[reader].is_there && self.chambers[at].blind_at().is_some())
+    }
+
+    /// Makes the steps of the agent's regulators for which no reading comes.
+    pub(super) fn miss_readings(&mut self, now: Now, out: &mut Vec<Output>) {
+        for at in 0..self.chambers.len() {
+            let Some(from) = self.moves_valves(at) else { continue };
+            let chamber = &mut self.chambers[at];
+            if chamber.blind_at().is_some_and(|due| due <= now.at) {
+                out.extend(chamber.pulse_blindly(now).map(|line| Output::Tell(from, line)));
+            }
+        }
+    }
+
+    /// Moment of the next such step.
+    pub(super) fn blind_at(&self) -> Option<Moment> {
+        let moved = (0..self.chambers.len()).filter(|&at| self.moves_valves(at).is_some());
+        moved.filter_map(|at| self.chambers[at].blind_at()).min()
     }
 
     /// Takes the versions that a driver tells, and tells them to supervisors and people if they are new.

@@ -42,6 +42,7 @@ impl Agent {
         if taken.as_ref().err().is_none_or(|bad| bad.is_spoken) {
             self.drivers[from].heard = now.at;
             if !std::mem::replace(&mut self.drivers[from].is_there, true) {
+                self.expect_readings(from, now);
                 self.greet(from, now, out);
             }
             self.drivers[from].problem = None;
@@ -220,9 +221,16 @@ impl Agent {
         }
         let pressure_mpa = self.above_zero(at, line.pressure_mpa, out);
         let supply_mpa = line.supply_mpa.map(|mpa| if (-ZERO_MPA..0.0).contains(&mpa) { 0.0 } else { mpa });
-        range("pressure_mpa", Some(pressure_mpa), 0.0, 1.0)?;
-        range("temperature_c", line.temperature_c, -100.0, 300.0)?;
-        range("supply_mpa", supply_mpa, 0.0, 10.0)?;
+        let ranges = range("pressure_mpa", Some(pressure_mpa), 0.0, 1.0)
+            .and_then(|()| range("temperature_c", line.temperature_c, -100.0, 300.0))
+            .and_then(|()| range("supply_mpa", supply_mpa, 0.0, 10.0));
+        if let Err(bad) = ranges {
+            // The regulator must know that the sensor gives nothing: it keeps no air at an unknown pressure.
+            if self.moves_valves(at) == Some(from) {
+                out.extend(self.chambers[at].pulse_blindly(now).map(|line| Output::Tell(from, line)));
+            }
+            return Err(bad);
+        }
         let limits = self.drivers[from].limits;
         let chamber = &mut self.chambers[at];
         if chamber.holder != Some(from) {
@@ -231,7 +239,7 @@ impl Agent {
         // The receipt of the line counts: a reading that was on its way for long is still the newest one.
         chamber.read(Reading { pressure_mpa, at: now.at });
         chamber.state(line.regulator, line.temperature_c, supply_mpa);
-        out.extend(chamber.pulse(now).map(|line| Output::Tell(from, line)));
+        out.extend(chamber.pulse(now, pressure_mpa).map(|line| Output::Tell(from, line)));
         Ok(())
     }
 

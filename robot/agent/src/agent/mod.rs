@@ -245,6 +245,7 @@ impl Agent {
             self.flush(now, out);
         }
         self.miss_drivers(now, out);
+        self.miss_readings(now, out);
         self.miss_values(now, out);
         self.follow_setpoints(now, out);
         self.follow_tests(now, out);
@@ -275,6 +276,7 @@ impl Agent {
             self.supervision.lost_at(),
             self.drivers.iter().filter_map(Driver::silent_at).min(),
             self.repeat_at(),
+            self.blind_at(),
             chambers.clone().filter_map(Chamber::fails_at).min(),
             // Only a status says it.
             connected(chambers.clone().filter_map(Chamber::silent_at).min()),

@@ -25,6 +25,8 @@ const STRAIN_US: u64 = 10_000;
 const PRESSURE_US: u64 = 250_000;
 /// Without an order for this long the board vents. µs.
 const SILENT_US: u64 = 5_000_000;
+/// An order may exceed the limit by the zero of a sensor, which the agent adds, MPa. It counts as the limit.
+const ABOVE_MPA: f32 = 0.01;
 /// Length of a pulse that ends a pressure above the limit. µs.
 const RELIEF_US: u32 = 100_000;
 
@@ -146,10 +148,11 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         }
         if is_text(kind, "set_pressure") {
             let Some(mpa) = field(line, "pressure_mpa").and_then(number) else { return };
-            if (0.0..=self.limit_mpa).contains(&mpa) {
+            if (0.0..=self.limit_mpa + ABOVE_MPA).contains(&mpa) {
                 self.heard(now_us);
                 self.by_hand = false;
-                self.regulator.set_target(mpa, field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
+                self.regulator
+                    .set_target(mpa.min(self.limit_mpa), field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
             }
         } else if is_text(kind, "valve") {
             let Some(ms) = field(line, "for_ms").and_then(number).filter(|ms| (0.0..=1000.0).contains(ms)) else {
@@ -211,8 +214,12 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         let (strain, way_mm) = (readings.strain, readings.deflection_mm.unwrap_or_default());
         // JSON has no NaN: the next reading takes the place of one that failed.
         if now_us >= self.next_strain_us && strain.is_finite() && way_mm.is_finite() {
-            // The grid of the samples is kept, unless the board was away for longer.
-            self.next_strain_us = (self.next_strain_us + STRAIN_US).max(now_us.saturating_sub(STRAIN_US));
+            // The samples of a line are evenly spaced. After a gap both line and grid begin anew.
+            if now_us.saturating_sub(self.next_strain_us) > 3 * STRAIN_US {
+                self.strain_count = 0;
+                self.next_strain_us = now_us;
+            }
+            self.next_strain_us += STRAIN_US;
             if self.strain_count == 0 {
                 self.strain_first_us = now_us;
             }

@@ -137,6 +137,18 @@ fn regress_lines_that_are_no_orders_for_it_do_not_keep_it_from_venting() {
 }
 
 #[test]
+fn regress_an_order_above_the_limit_by_the_zero_of_the_sensor_is_obeyed_as_the_limit() {
+    let mut bench = Bench::new();
+    let mut highest_mpa = 0.0f32;
+    for _ in 0..10 {
+        bench.say(r#"{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":0.2008,"slew_mpa_per_s":0}"#);
+        bench.run(2.0);
+        highest_mpa = highest_mpa.max(bench.mpa);
+    }
+    assert!((bench.mpa - 0.2).abs() < 0.001_22 && highest_mpa < 0.2 + 0.001_22, "{} {highest_mpa}", bench.mpa);
+}
+
+#[test]
 fn it_ignores_what_is_wrong_or_for_others() {
     let mut bench = Bench::new();
     bench.run(0.5);
@@ -170,6 +182,34 @@ fn a_strain_that_cannot_be_read_is_left_out() {
     bench.strain = 0.000_1;
     bench.run(0.3);
     assert!(bench.said.contains("\"strain\":[0.000100") && !bench.said.contains("NaN"), "{}", bench.said);
+}
+
+#[test]
+fn regress_no_line_has_samples_from_before_and_after_a_gap() {
+    for is_away in [false, true] {
+        let mut bench = Bench::new();
+        bench.run(0.3);
+        bench.strain = 0.000_2;
+        bench.run(0.055);
+        if is_away {
+            bench.now_us += 1_000_000;
+        } else {
+            bench.strain = f32::NAN;
+            bench.run(1.0);
+        }
+        bench.strain = 0.000_3;
+        bench.run(0.3);
+        let begun_ms = bench.now_us / 1000 - 300;
+        let lines: Vec<&str> = bench.said.lines().filter(|line| line.contains("0.000300")).collect();
+        assert!((2..=3).contains(&lines.len()), "{lines:?}");
+        assert!(lines.iter().all(|line| !line.contains("0.000200")), "{lines:?}");
+        // The samples are 10 ms apart from the first one on.
+        for (index, line) in lines.iter().enumerate() {
+            let ms = line.split("\"t_ms\":").nth(1).and_then(|rest| rest.split(',').next()).unwrap();
+            let late_ms = ms.parse::<u64>().unwrap() - begun_ms - 100 * index as u64;
+            assert!(late_ms <= 2, "{late_ms} ms: {lines:?}");
+        }
+    }
 }
 
 #[test]

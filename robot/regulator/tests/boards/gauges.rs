@@ -61,6 +61,30 @@ fn the_end_of_the_scale_of_an_hx711_is_reported() {
 }
 
 #[test]
+fn regress_a_clipped_sample_is_reported_although_its_line_leaves_no_room() {
+    let Some(folder) = compiled("uno") else { return };
+    // Two whiskers with a gauge and a slide have lines of 300 bytes.
+    let mut script = "50 !volts 2 2.5\n50 !volts 3 2.5\n50 !volts 4 5.0\n".to_owned();
+    for (slot, ms) in [(0, 200), (1, 400)] {
+        let (fill, vent, whisker, strain) = (4 + 2 * slot, 5 + 2 * slot, 1 + slot, 2 + slot);
+        for (later_ms, keys) in [
+            (0, format!("\"whisker\":{whisker},\"fill_pin\":{fill},\"vent_pin\":{vent},\"pressure_pin\":\"A{slot}\"")),
+            (50, format!("\"strain_sensor\":\"ANALOG\",\"strain_pin\":\"A{strain}\"")),
+            (100, "\"strain_zero_v\":5.0,\"strain_per_v\":0.25,\"slide_pin\":\"A4\",\"slide_mm\":300".to_owned()),
+        ] {
+            script += &configure(ms + later_ms, slot, &keys);
+        }
+    }
+    script += &(save(700) + "3000 !volts 2 0.0\n3000 !volts 3 0.0\n3060 !volts 2 2.5\n3060 !volts 3 2.5\n7000 !end\n");
+    let lines = run("uno", &folder, &script);
+    assert!(of(&lines, &["\"strain\"", "-1.0000000"]).len() >= 2, "the gauges are clipped");
+    for whisker in [1, 2] {
+        let whisker = format!("\"whisker\":{whisker},");
+        assert!(!of(&lines, &["\"gauge\":\"SATURATED\"", &whisker]).is_empty(), "{whisker}");
+    }
+}
+
+#[test]
 fn an_hx711_that_does_not_answer_is_an_open_gauge() {
     let Some(folder) = compiled("uno") else { return };
     for level in [0, 1] {

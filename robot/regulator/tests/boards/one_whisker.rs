@@ -77,6 +77,17 @@ fn the_board_keeps_its_limit_and_ignores_lines_that_are_wrong() {
 }
 
 #[test]
+fn regress_an_order_above_the_limit_by_the_zero_of_the_sensor_is_obeyed_as_the_limit() {
+    let Some(folder) = compiled("uno") else { return };
+    let script = format!("{}16000 !end\n", held(300, 16_000, 0.200_8));
+    let lines = run("uno", &folder, &script);
+    let highest = lines.iter().map(|(_, mpa, _)| *mpa).fold(0.0, f64::max);
+    assert!(highest < 0.2 + 1.3 * STEP_MPA, "{highest}");
+    // The watchdog would have vented the chamber since 5 s.
+    assert!((at(&lines, 16_000.0).0 - 0.2).abs() <= 1.3 * STEP_MPA, "{:?}", at(&lines, 16_000.0));
+}
+
+#[test]
 fn a_pulse_by_hand_ends_by_itself() {
     let Some(folder) = compiled("uno") else { return };
     let script =

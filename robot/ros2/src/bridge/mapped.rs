@@ -15,6 +15,8 @@ use crate::words::ToAgent;
 const TOPIC_SILENT_S: f64 = 10.0;
 /// Interval of readings that are constant, seconds.
 const CONSTANT_EVERY_S: f64 = 1.0;
+/// Age from which a distance or a ratio is not joined with a new deflection, seconds: the touch has moved on.
+const PLACE_STALE_S: f64 = 1.0;
 /// Lowest level of diagnostics that is a fault: ERROR.
 const FAULT_LEVEL: f64 = 2.0;
 
@@ -24,8 +26,8 @@ pub(super) struct Mapped {
     pub(super) mapping: Arc<Mapping>,
     /// When each topic was last heard, and whether its silence was logged.
     heard: Vec<(f64, bool)>,
-    /// Deflection and distance of each whisker, m, and its contact ratio.
-    motions: Vec<[Option<f64>; 3]>,
+    /// Deflection and distance of each whisker, m, and its contact ratio, each with the time of its message.
+    motions: Vec<[Option<(f64, f64)>; 3]>,
     /// Whether the robot moves, by the last line to this agent.
     pub(super) driving: Option<bool>,
     /// The same of whether it is in a task.
@@ -145,12 +147,13 @@ impl Bridge {
                 let motion = &mut mapped.motions[index];
                 let is_deflection = one.quantity == Quantity::Deflection;
                 let place = if is_deflection { 0 } else { 1 + usize::from(one.quantity == Quantity::Ratio) };
-                motion[place] = Some(first);
-                let [deflection, distance, ratio] = *motion;
+                motion[place] = Some((first, now_s));
                 // A line has all values. It goes with the deflection, if there is one.
-                if !is_deflection && deflection.is_some() {
+                if !is_deflection && motion[0].is_some() {
                     return Ok(None);
                 }
+                let is_fresh = |(_, at_s): &(f64, f64)| now_s - at_s < PLACE_STALE_S;
+                let [deflection, distance, ratio] = motion.map(|value| value.filter(is_fresh).map(|(value, _)| value));
                 let t_us = stamp.and_then(|stamp| self.time_of(now, stamp, 0));
                 let named = self.whiskers[index].named();
                 let (array, whisker) = (named.array.clone(), named.whisker);

@@ -92,6 +92,27 @@ fn the_example_of_the_document_gives_strain_motion_pressure_and_health() {
 }
 
 #[test]
+fn regress_a_distance_of_a_silent_topic_goes_with_no_later_deflection() {
+    let mapping = "whiskers:
+  left/0:
+    deflection: {topic: /way, type: std_msgs/msg/Float64, field: data}
+    distance: {topic: /wall, type: std_msgs/msg/Float64, field: data}
+    pressure: {constant: 0}
+";
+    let mut bridge = bridge(mapping, Pressures::Gauge);
+    lines(message(&mut bridge, 1.0, "/wall", &json!([0.05])));
+    let soon = lines(message(&mut bridge, 1.9, "/way", &json!([0.002])));
+    assert_eq!((&soon[0]["deflection_mm"], &soon[0]["distance_mm"]), (&json!(2.0), &json!(50.0)));
+    let late = lines(message(&mut bridge, 5.0, "/way", &json!([0.003])));
+    assert_eq!(late[0]["deflection_mm"], json!(3.0));
+    assert!(late[0].get("distance_mm").is_none(), "{late:?}");
+    // It goes with the next deflection again, and makes no line of its own.
+    assert!(message(&mut bridge, 6.0, "/wall", &json!([0.06])).is_empty());
+    let again = lines(message(&mut bridge, 6.1, "/way", &json!([0.002])));
+    assert_eq!(again[0]["distance_mm"], json!(60.0));
+}
+
+#[test]
 fn contact_ratio_and_driving_are_mapped() {
     let text = "driving: {topic: /base, type: std_msgs/msg/Bool, field: data}
 whiskers:

@@ -35,6 +35,7 @@ impl Applying {
 impl Chamber {
     /// Begins to apply a setpoint.
     pub(in crate::agent) fn apply(&mut self, setpoint: &Setpoint, now: Now) {
+        self.end_fault();
         self.target_mpa = setpoint.pressure_mpa;
         self.slew_mpa_per_s = setpoint.slew_mpa_per_s;
         let way_mpa = self.reading.map_or(self.max_mpa, |reading| (self.target_mpa - reading.pressure_mpa).abs());

@@ -7,6 +7,8 @@
 namespace vibrissa {
 
 static const uint32_t PRESSURE_MS = 250, SILENT_MS = 5000, PULSE_MOST_US = 1000000, RELIEF_US = 100000;
+// An order may exceed the limit by the zero of a sensor, which the agent adds. It counts as the limit.
+static const float ABOVE_MPA = 0.01f;
 // Longest time between two samples that a line may tell.
 static const uint32_t EVERY_MOST_US = 100000;
 // A line is sent once its samples take so long.
@@ -86,9 +88,10 @@ void Whisker::obey(const char *line, bool is_pressure) {
     if (is_pressure) {
         float mpa = number(field(line, PSTR("pressure_mpa"))), slew = number(field(line, PSTR("slew_mpa_per_s")));
         // The comparison is false for a value that is not a number.
-        if (!(mpa >= 0.0f && mpa <= set->limit_mpa)) return;
+        if (!(mpa >= 0.0f && mpa <= set->limit_mpa + ABOVE_MPA)) return;
         heard();
         by_hand = false;
+        // The regulator never exceeds the limit.
         regulator.set_target(mpa, slew > 0.0f ? slew : 0.0f);
     } else {
         float ms = number(field(line, PSTR("for_ms")));
@@ -205,7 +208,7 @@ bool Whisker::sample(void (*tick)(), bool may_put) {
         put_gauge();
         return true;
     }
-    if (absent && !count) put_gauge();
+    if ((absent || clipped) && !count) put_gauge();
     return false;
 }
 
@@ -237,11 +240,13 @@ void Whisker::put_samples(void (*tick)()) {
 void Whisker::put_gauge() {
     uint32_t now_ms = millis();
     Sample now = absent ? ABSENT : clipped ? CLIPPED : GOOD;
-    absent = clipped = false;
     if (now != GOOD) bad_ms = now_ms;
     else if (reported != GOOD && now_ms - bad_ms < CLEAN_MS) now = reported;
     bool is_due = now != reported || (now != GOOD && now_ms - reported_ms >= REPORT_MS);
-    if (!is_due || out_room() < 110) return;
+    // A line waits for room, and with it what it is to tell.
+    if (is_due && out_room() < 110) return;
+    absent = clipped = false;
+    if (!is_due) return;
     reported = now;
     reported_ms = now_ms;
     put_head(PSTR("fault"), now_ms);
