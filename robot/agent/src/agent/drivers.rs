@@ -111,9 +111,9 @@ impl Agent {
     /// A driver can be heard, from now on or anew.
     pub(super) fn driver_started(&mut self, from: usize, now: Now, out: &mut Vec<Output>) {
         self.drivers[from].start(now);
-        self.chambers.iter_mut().for_each(|chamber| chamber.begin(from));
         self.expect_readings(from, now);
         self.greet(from, now, out);
+        self.chambers.iter_mut().for_each(|chamber| chamber.begin(from));
     }
 
     /// A driver that is there from now on has yet to read the pressures of its chambers.

@@ -156,11 +156,10 @@ impl Hub {
     pub(super) async fn sync(&self) {
         let (file, spooled, done) = {
             let mut state = self.lock();
-            let Some(store) = &mut state.store else { return };
-            // While the file fails, it lacks what has come back: the segments are the only copy.
-            let mut done =
-                store.spool.as_ref().filter(|_| store.failed_at.is_none()).map_or_else(Vec::new, Spool::done);
-            if done.len() <= store.unremoved {
+            let State { agent, store: Some(store), .. } = &mut *state else { return };
+            let mut done = store.spool.as_ref().map_or_else(Vec::new, Spool::done);
+            // While the file fails, it lacks what has come back: the segments are the only copy until receipts cover it.
+            if store.failed_at.is_some() && agent.messages_kept() > 0 || done.len() <= store.unremoved {
                 done.clear();
             }
             (store.unsynced(), store.spool.as_mut().and_then(Spool::unsynced), done)

@@ -136,6 +136,7 @@ impl Spool {
     fn make_room(&mut self, bytes: u64) -> u64 {
         let mut dropped = 0;
         while self.bytes() + bytes > self.bytes_max && self.segments.len() > 1 {
+            let unread = self.segments.front().filter(|_| self.offset == 0).map(|first| first.id);
             while self.offset < self.segments.front().map_or(0, |first| first.bytes) {
                 match self.line() {
                     // A damaged line was a message, too.
@@ -147,6 +148,8 @@ impl Spool {
                 }
             }
             self.leave();
+            // A full disk needs the room at once. What cannot be removed now is removed later.
+            let _ = self.remove(unread.as_slice());
         }
         dropped
     }
@@ -309,6 +312,7 @@ mod tests {
         let folder = Folder::new("bound");
         let mut spool = Spool::open(&folder.0, None, 3 << 20).unwrap();
         let dropped: u64 = (0..1000).map(|number| spool.append(&message(number)).unwrap()).sum();
+        assert!(spool.done().is_empty(), "their files are gone, too");
         assert!(spool.bytes() <= 3 << 20 && spool.bytes() > 2 << 20, "{}", spool.bytes());
         assert!(all(&mut spool) == expected(dropped..1000));
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use vibrissa_protocol::{Contact, Contacts, Name, RobotTopic, decode_contacts, encode};
+use vibrissa_protocol::{Contact, Contacts, Name, Receipt, RobotTopic, decode_contacts, encode};
 
 use super::*;
 use crate::Config;
@@ -142,6 +142,20 @@ async fn regress_a_segment_stays_until_the_file_of_the_outbox_has_its_messages()
         store.file.replace(agent.records()).unwrap();
         store.failed_at = None;
     }
+    hub.sync().await;
+    assert!((1..=3).all(|number| !folder.segment(number).exists()));
+}
+
+#[tokio::test]
+async fn segments_free_a_full_disk_once_receipts_cover_their_messages() {
+    let folder = Folder::new("full");
+    (1..=3).for_each(|number| folder.write(number));
+    let hub = folder.hub();
+    hub.lock().store.as_mut().unwrap().failed_at = Some(Instant::now());
+    hub.step(Input::Connected);
+    let robot_boot_id = hub.lock().agent.boot_id().clone();
+    let receipt = Receipt { boot_id: boot_id(), seq: 0, robot_boot_id, next: 3, held: vec![] };
+    hub.step(Input::Message(RobotTopic::Receipt, &encode(&receipt)));
     hub.sync().await;
     assert!((1..=3).all(|number| !folder.segment(number).exists()));
 }

@@ -107,7 +107,8 @@ Sample Gauge::read_ads1115(const WhiskerSettings &set, bool due, float &volts) {
         uint16_t config = 0x81e3 | (uint16_t)set.inputs << 12 | (uint16_t)set.range << 9;
         if (!write_register(set.address, 1, config)) return ABSENT;
         bus_of = this;
-        since_us = now_us;
+        // The conversion begins when the order is complete.
+        since_us = micros();
         return WAITING;
     }
     if (bus_of != this || now_us - since_us < ADS1115_US) return WAITING;
