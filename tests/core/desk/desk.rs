@@ -322,7 +322,7 @@ impl Desk {
                 }
                 Output::Reconnect => said.push(Outgoing::Restart),
                 Output::Store(_) => {}
-                other @ (Output::Spool(_) | Output::TakeBack(_)) => panic!("no disk is configured: {other:?}"),
+                other @ (Output::Spool(_) | Output::TakeBack) => panic!("no disk is configured: {other:?}"),
             }
         }
     }
