@@ -166,7 +166,7 @@ async fn regress_a_key_of_another_request_deletes_no_webhook() {
     let made = send(service.http, "POST", "/v1/webhooks", &key, Some(&body)).await.unwrap();
     let path = format!("/v1/webhooks/{}", made.json()["webhook"]["webhook_id"]);
     let refused = send(service.http, "DELETE", &path, &key, None).await.unwrap();
-    assert_eq!(refused.json()["type"], "/problems/idempotency-key-reused", "{}", refused.body);
+    assert_eq!(refused.json()["type"], "/problems/key-reused", "{}", refused.body);
     assert_eq!(call(&service, "GET", &path, None).await.status, 200);
     assert_eq!(call(&service, "DELETE", &path, None).await.status, 200);
     assert_eq!(call(&service, "GET", &path, None).await.status, 404);
