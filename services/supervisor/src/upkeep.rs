@@ -112,7 +112,7 @@ mod tests {
         let (readiness, now_us) = (Readiness::default(), 1_800_000_000_000_000);
         note_stopped(&readiness, Some(("gone".to_owned(), now_us - STOPPED_US - 1)), now_us);
         let notices = readiness.notices();
-        assert!(notices[0].starts_with("the archive of fleet gone stands at 2027-01-14T08:00:00"), "{notices:?}");
+        assert!(notices[0].starts_with("the archive of fleet gone stands at 2027-01-14T07:59:59"), "{notices:?}");
         note_stopped(&readiness, Some(("lab".to_owned(), now_us - STOPPED_US)), now_us);
         assert!(readiness.notices().is_empty());
         note_stopped(&readiness, None, now_us);

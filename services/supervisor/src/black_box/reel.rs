@@ -7,7 +7,7 @@ use super::tape::{EntryKind, Tape, TapeCopy};
 
 /// A state follows the last one after this part of a robot's memory: a busy robot's tape is shorter than a span.
 const STATE_EVERY: usize = 8;
-/// Shortest interval between two states of a busy robot, unless the last one and the messages since then take a
+/// Shortest interval between two states of a busy robot, unless the messages since the last one take a
 /// `STATE_AT_LEAST`-th of its memory.
 const STATE_PAUSE: Micros = Micros(5_000_000);
 /// A state follows the last one after this part of a robot's memory, however short the interval is. The memory before
@@ -278,8 +278,8 @@ mod tests {
     fn regress_a_state_alone_makes_no_other_state_due() {
         let mut reel = Reel::new(seconds(0), seconds(0));
         reel.push(seconds(1), CONTACTS, &[b' '; 50], LIMITS);
-        assert!(reel.is_state_due(seconds(61), LIMITS) && reel.takes_state(seconds(61), 20_000, LIMITS));
-        reel.push(seconds(61), EntryKind::State, &[0; 20_000], LIMITS);
+        assert!(reel.is_state_due(seconds(61), LIMITS) && reel.takes_state(seconds(61), 16_000, LIMITS));
+        reel.push(seconds(61), EntryKind::State, &[0; 16_000], LIMITS);
         for at in 62..300 {
             assert!(!reel.is_state_due(seconds(at), LIMITS), "{at} s");
         }
