@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Duration;
 
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::{Field, Row};
 use serde_json::{Value, json};
 use vibrissa_protocol::{RobotTopic, Topic, receive};
-use vibrissa_tests::kafka::{Kafka, record};
+use vibrissa_tests::kafka::{Kafka, START, record};
 use vibrissa_tests::mosquitto::free_port;
 use vibrissa_tests::process::{Launch, Process};
 use vibrissa_tests::wait::until_within;
@@ -21,9 +20,6 @@ const PARTITIONS: u32 = 2;
 /// First messages of contacts that must be in the table, and most that are sent.
 const ENOUGH: usize = 60;
 const MOST: usize = 20_000;
-/// Java starts slowly on a busy machine, and the connector commits only after the members of its group have met.
-const START: Duration = Duration::from_secs(240);
-
 /// Folder of Kafka Connect and the connector, if they are installed.
 fn connectors() -> Option<PathBuf> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("connectors");

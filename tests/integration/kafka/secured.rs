@@ -3,10 +3,10 @@
 use tempfile::TempDir;
 use vibrissa_protocol::ArrayType;
 use vibrissa_tests::certificates::{Authority, Validity, write};
-use vibrissa_tests::kafka::{Kafka, PASSWORD, USER};
+use vibrissa_tests::kafka::{Kafka, PASSWORD, START, USER};
 use vibrissa_tests::mosquitto::Mosquitto;
 use vibrissa_tests::robot::{HandRobot, array};
-use vibrissa_tests::wait::until_true;
+use vibrissa_tests::wait::{until_true, until_within};
 
 use crate::published::topics;
 use crate::stage::{Events, Program};
@@ -73,7 +73,8 @@ async fn wrong_credentials_and_authorities_are_named_and_robots_are_served_meanw
         let mut robot = HandRobot::born(broker.port(), "r", array(ArrayType::Type2, &[70.0])).await;
         robot.touch(0, 20).await;
         robot.receipted().await;
-        until_true(part, async || program.log().lines().any(|line| line.contains(part))).await;
+        let is_named = async || program.log().lines().any(|line| line.contains(part)).then_some(());
+        until_within(START, part, is_named).await;
         assert!(!program.log().contains(PASSWORD), "{}", program.log());
     }
 }

@@ -28,7 +28,7 @@ pub use clients::{Numbers, Reader, Writer, record, record_of};
 use clients::{connect, partition_client};
 
 /// Time limit of a start, and of an election. Java takes some seconds on a busy machine.
-const START: Duration = Duration::from_secs(240);
+pub const START: Duration = Duration::from_secs(240);
 /// Time in which one answer of a broker must come.
 const ANSWER: Duration = Duration::from_secs(5);
 
