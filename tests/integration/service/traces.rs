@@ -102,8 +102,9 @@ async fn from_the_contact_that_raised_the_suspicion_to_applied_it_is_one_trace()
     // The setpoint is sent repeatedly until it is answered.
     let database = &running.database;
     applied(&mut robot, database, &setpoint).await;
-    let now = now_us();
     let trace = collector.trace(&setpoint.command_id).await;
+    // The database shows a state before its commit has ended here.
+    let now = now_us();
     let mut spans = chain(&trace);
     spans.dedup_by(|one, before| one == "send setpoint" && before == "send setpoint");
     assert_eq!(spans, WHOLE);
