@@ -13,11 +13,9 @@ const SUSPECTED_SHARE: f64 = 0.8;
 impl Whisker {
     /// A length as it is told: its interval holds the length after a suspected loss, too.
     pub(in crate::robot) fn told(&self, length: LengthEstimate) -> LengthEstimate {
-        let suspected = if self.detector.is_calm() {
-            None
-        } else {
-            self.detector.suspected_shift().or_else(|| self.detector.felt(-1.0))
-        };
+        let is_suspicious = self.detector.is_suspicious();
+        let fit = || self.detector.suspected_shift().or_else(|| self.detector.felt(-1.0));
+        let suspected = is_suspicious.then(fit).flatten();
         let loss_mm = suspected.map_or(0.0, |fit| (-fit.size).max(0.0) * length.length.mm());
         LengthEstimate { sd_mm: length.sd_mm.hypot(SUSPECTED_SHARE * loss_mm), ..length }
     }
