@@ -220,3 +220,19 @@ fn only_the_store_and_the_tests_depend_on_sqlx() {
     let users: Vec<&str> = users.map(|(name, _)| name.as_str()).collect();
     assert_eq!(users, ["vibrissa-store", "vibrissa-tests"]);
 }
+
+/// `cargo test --doc` would run it, but takes three minutes of CPU time without a test.
+#[test]
+fn no_comment_has_code_that_nobody_runs() {
+    let folders = CRATES.iter().map(|(_, folder)| project().join(folder)).chain([project().join("tests")]);
+    for path in folders.flat_map(|folder| rust_files(&folder)) {
+        let text = read_to_string(&path).unwrap();
+        let fences = text.lines().filter_map(|line| {
+            let comment = line.trim_start();
+            comment.strip_prefix("//!").or_else(|| comment.strip_prefix("///"))?.trim_start().strip_prefix("```")
+        });
+        for language in fences.step_by(2) {
+            assert!(["text", "toml"].contains(&language), "{}: ```{language}", path.display());
+        }
+    }
+}
