@@ -23,6 +23,8 @@ pub(crate) struct ByHand {
     seq: u64,
     /// Whether contacts are at the end of the gauge's range.
     pub(crate) saturated: bool,
+    /// Nominal and highest pressure of its factsheet, MPa.
+    pub(crate) pressures_mpa: [f64; 2],
 }
 
 impl ByHand {
@@ -36,6 +38,7 @@ impl ByHand {
             boot_id: String::new(),
             seq: 0,
             saturated: false,
+            pressures_mpa: [0.1, 0.2],
         };
         assert_eq!(one.boots("b1", length_mm), [Outcome::Taken; 2]);
         one
@@ -49,8 +52,8 @@ impl ByHand {
             y_mm: 0.0,
             model: "nguyen-2021".to_owned(),
             length: Millimetre::known(length_mm),
-            pressure: Megapascal::known(0.1),
-            pressure_max: Megapascal::EXAMINED_MAX,
+            pressure: Megapascal::known(self.pressures_mpa[0]),
+            pressure_max: Megapascal::known(self.pressures_mpa[1]),
             length_tolerance_mm: 0.5,
             strain_max: None,
             neighbours: Vec::new(),
@@ -94,7 +97,12 @@ impl ByHand {
 
     /// A status with everything in order.
     pub(crate) fn status(&mut self, ahead_us: i64) -> Outcome {
-        let pressure = Megapascal::known(0.1);
+        self.status_at(0.1, ahead_us)
+    }
+
+    /// The same at a pressure of the chamber.
+    pub(crate) fn status_at(&mut self, pressure_mpa: f64, ahead_us: i64) -> Outcome {
+        let pressure = Megapascal::known(pressure_mpa);
         let status = WhiskerStatus {
             array: ARRAY,
             whisker: 0,

@@ -1,7 +1,7 @@
 //! Times that are wrong: no single message decides how long a setpoint lives.
 
 use vibrissa_core::robot::Outcome;
-use vibrissa_core::robot::effect::CommandState;
+use vibrissa_core::robot::effect::{CommandState, Effect};
 use vibrissa_core::units::Micros;
 
 use crate::by_hand::{ByHand, S, YEAR_US};
@@ -234,5 +234,25 @@ fn regress_no_contact_is_lost_when_the_robots_clock_is_stepped() {
             assert_eq!(one.touched(&[(PLAIN, ahead_us)]), Outcome::Taken);
         }
         assert_eq!(one.robot.whisker(0).unwrap().contacts, 40, "{step_us}");
+    }
+}
+
+/// Four statuses with the new time follow each other before it is believed: 40 s at a status every 10 s. The robot was called silent
+/// meanwhile.
+#[test]
+fn regress_a_robot_whose_clock_is_stepped_is_not_silent() {
+    for step_us in [2 * 3_600 * S as i64, -40 * YEAR_US] {
+        let mut one = ByHand::born(70.0);
+        for status in 0..20 {
+            let ahead_us = if status < 7 { 0 } else { step_us };
+            one.status(ahead_us);
+            one.silent_for_s(10.0);
+        }
+        let alarms: Vec<&Effect> = one
+            .effects
+            .iter()
+            .filter(|effect| matches!(effect, Effect::RobotAlarm { .. } | Effect::Alarm { .. }))
+            .collect();
+        assert!(alarms.is_empty(), "{step_us}: {alarms:?}");
     }
 }

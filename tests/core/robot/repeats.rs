@@ -5,12 +5,14 @@ use rand_chacha::ChaCha8Rng;
 use vibrissa_core::mechanics::{CONTACT_RATIOS, Formulation};
 use vibrissa_core::robot::effect::{Command, Effect};
 use vibrissa_core::robot::event::{GaugeState, Link, RegulatorState, Rejection, SetpointReport, WhiskerStatus};
-use vibrissa_core::robot::{Event, Params, Robot};
+use vibrissa_core::robot::{Event, OperatorAction, Outcome, Params, Place, Robot, Scope};
 use vibrissa_core::units::{Megapascal, Micros};
 use vibrissa_evaluation::World;
 use vibrissa_evaluation::world::START_US;
 use vibrissa_protocol::ArrayType;
 use vibrissa_simulator::scenario::{Change, Event as Planned, Misbehaviour};
+
+use crate::by_hand::ByHand;
 
 const ARRAY: &str = "left";
 const NOMINAL_MPA: f64 = 0.1;
@@ -245,4 +247,52 @@ fn regress_a_robot_that_reports_a_wrong_setpoint_is_not_sent_the_same_for_ever()
         let sent: Vec<_> = world.effects.iter().filter_map(command).collect();
         assert!(sent.len() <= SAME_IN_AN_HOUR_MAX, "{fault}: {} setpoints in 20 minutes", sent.len());
     }
+}
+
+/// The contract allows nominal pressures above 0.2 MPa, and no setpoint goes beyond. Such a whisker got a new setpoint every 2 s
+/// after a release, because the pressure that it applied was never the nominal one.
+#[test]
+fn regress_a_nominal_pressure_above_the_limit_is_ordered_once() {
+    let mut one = ByHand::born(70.0);
+    one.pressures_mpa = [0.25, 0.3];
+    assert_eq!(one.boots("b2", 70.0), [Outcome::Taken; 2]);
+    let (mut held_mpa, mut ordered_mpa, place) = (0.25, Vec::new(), Place { array: ARRAY, whisker: 0 });
+    for tick in 0..1200 {
+        one.passes_s(0.5);
+        if tick % 10 == 0 {
+            assert_eq!(one.status_at(held_mpa, 0), Outcome::Taken);
+        }
+        let outcome = match tick {
+            40 => one.step(&Event::Operator(&OperatorAction::Setpoint { whisker: place, pressure_mpa: 0.1 })),
+            80 => one.step(&Event::Operator(&OperatorAction::Release(Scope::Whisker(place)))),
+            _ => one.step(&Event::Tick),
+        };
+        assert_eq!(outcome, Outcome::Taken);
+        for effect in std::mem::take(&mut one.effects) {
+            let Effect::Command(command) = effect else { continue };
+            ordered_mpa.push(command.pressure.mpa());
+            held_mpa = command.pressure.mpa();
+            let (boot_id, report) = (command.robot_boot_id.as_str(), SetpointReport::Applied(command.pressure));
+            one.step(&Event::Setpoint { boot_id, command: command.key, report, robot_time: one.now });
+        }
+    }
+    assert_eq!(ordered_mpa, [0.1, 0.2]);
+}
+
+/// After an interruption the operator may have turned away.
+#[test]
+fn regress_a_manual_setpoint_is_not_repeated_to_a_robot_that_was_away() {
+    let mut one = ByHand::born(70.0);
+    for _ in 0..3 {
+        one.passes_s(1.0);
+        one.status(0);
+    }
+    let ordered = one.asked_for(0.05).expect("a setpoint");
+    let repeated = |one: &ByHand| one.robot.commands_to_repeat().map(|command| command.key).collect::<Vec<_>>();
+    assert_eq!(repeated(&one), [ordered.key], "this supervisor may have been away");
+    for link in [Link::Broken, Link::Online] {
+        one.step(&Event::Connection { boot_id: "b1", link });
+    }
+    assert!(repeated(&one).is_empty());
+    assert_eq!(one.robot.commands_under_way().count(), 1, "its answer counts all the same");
 }

@@ -163,7 +163,12 @@ impl Robot {
                 let trust = self.head.clock.trust(now, robot_time);
                 self.head.clock.hear(now, robot_time, TimeKind::Live);
                 if trust == TimeTrust::Far {
-                    // The next one comes within seconds.
+                    // After a step of the robot's clock four of them follow each other. They are signs of life all the same.
+                    for entry in whiskers {
+                        if let Some(index) = self.find(entry.array, entry.whisker) {
+                            self.whiskers[index].heard = Some(now);
+                        }
+                    }
                     return Outcome::BadTime;
                 }
                 if self.is_duplicated() {

@@ -1,6 +1,6 @@
 //! Read access to a robot's state.
 
-use super::effect::{Command, CommandKey, Condition, Fault, TestKind, TestState, WhiskerIndex};
+use super::effect::{Command, CommandKey, Condition, Fault, Reason, TestKind, TestState, WhiskerIndex};
 use super::event::{ArrayKind, Link};
 use super::health::standing::Standing;
 use super::{Compensation, Robot, Sequence, Sheet};
@@ -108,6 +108,15 @@ impl Robot {
     /// Setpoints that are not settled yet.
     pub fn commands_under_way(&self) -> impl Iterator<Item = &Command> {
         self.whiskers.iter().filter_map(|one| one.command.as_ref().map(|flight| &flight.command))
+    }
+
+    /// Those that go out again to a robot that is back. A manual one that is not answered goes out once.
+    pub fn commands_to_repeat(&self) -> impl Iterator<Item = &Command> {
+        self.whiskers.iter().filter_map(|one| {
+            let command = &one.command.as_ref()?.command;
+            let is_wanted = one.desired.as_ref().is_some_and(|desired| desired.reason == Reason::Operator);
+            (command.reason != Reason::Operator || is_wanted).then_some(command)
+        })
     }
 
     /// Touch tests that are requested and not over, each with its whisker.

@@ -21,8 +21,8 @@ impl Robot {
         }
         let whisker = &mut self.whiskers[index];
         // A pressure that was lost is desired again: its tries go on.
-        let is_former = is_same(whisker.air.setpoint, desired.pressure);
         whisker.desired = Some(Box::new(desired));
+        let is_former = whisker.wanted().is_some_and(|wanted| is_same(whisker.air.setpoint, wanted));
         if let Some(rare) = whisker.rare.get_mut() {
             rare.not_before = Micros::default();
             if !rare.tries.is_failing() && !is_former {
@@ -48,14 +48,14 @@ impl Robot {
         self.expire(params, now, index, effects);
         let held = self.holds(index);
         let whisker = &self.whiskers[index];
-        let Some(desired) = &whisker.desired else { return };
+        let (Some(desired), Some(wanted)) = (&whisker.desired, whisker.wanted()) else { return };
         let by_hand = desired.reason == Reason::Operator;
         if held && !by_hand {
             return;
         }
         if let Some(flight) = &whisker.command {
             let same = (flight.command.reason == Reason::Operator) == by_hand
-                && is_same(flight.command.pressure, desired.pressure)
+                && is_same(flight.command.pressure, wanted)
                 && flight.command.compensation == desired.compensation;
             if same {
                 let waits = is_ahead(now, flight.resend_at, params.command.resend_after);
@@ -68,7 +68,7 @@ impl Robot {
                 }
                 return;
             }
-        } else if whisker.holds != Holds::Stray && is_same(whisker.air.setpoint, desired.pressure) {
+        } else if whisker.holds != Holds::Stray && is_same(whisker.air.setpoint, wanted) {
             if desired.reason == Reason::Release || by_hand {
                 self.whiskers[index].desired = None;
                 return;
@@ -114,7 +114,7 @@ impl Robot {
         }
         let Some(robot_time) = self.head.clock.robot_time(now) else { return };
         let whisker = &self.whiskers[index];
-        let Some(desired) = whisker.desired.clone() else { return };
+        let (Some(desired), Some(pressure)) = (whisker.desired.clone(), whisker.wanted()) else { return };
         if whisker.given_up || !whisker.may_try(params, now) {
             return;
         }
@@ -125,8 +125,6 @@ impl Robot {
         rare.not_before = now.after(params.command.resend_after);
         let key = CommandKey { epoch: self.head.epoch, version: self.head.next_version };
         self.head.next_version += 1;
-        // The limits of the factsheet and of the paper hold here, too, whatever was requested.
-        let pressure = Megapascal::known(desired.pressure.mpa().min(whisker.pressure_limit().mpa()));
         let valid_for = whisker.valid_for(params, pressure);
         let command = Command {
             key,
@@ -419,6 +417,12 @@ impl crate::robot::Whisker {
         !is_ahead(now, self.rare.not_before, pause_max)
     }
 
+    /// The desired pressure within the limits of the factsheet and of the paper, which may have changed since.
+    fn wanted(&self) -> Option<Megapascal> {
+        let limit = self.pressure_limit();
+        self.desired.as_ref().map(|desired| if desired.pressure < limit { desired.pressure } else { limit })
+    }
+
     /// Whether a setpoint that was sent before `time` has no answer.
     pub(in crate::robot) fn has_unanswered_setpoint(&self, time: Micros) -> bool {
         let is_open = |flight: &InFlight| flight.state == CommandState::Pending && flight.command.issued < time;
@@ -432,14 +436,13 @@ impl crate::robot::Whisker {
 
     /// Whether a setpoint has failed that was not taken since.
     pub(in crate::robot) fn has_failed_setpoint(&self) -> bool {
-        let is_unmet = self.desired.as_ref().is_some_and(|desired| !is_same(self.air.setpoint, desired.pressure));
+        let is_unmet = self.wanted().is_some_and(|wanted| !is_same(self.air.setpoint, wanted));
         self.given_up || self.rare.tries.is_failing() && (is_unmet || self.command.is_some())
     }
 
     /// The pressure that was set for a compensation and is in force by the robot's last report.
     pub(in crate::robot) fn kept_pressure(&self) -> Option<Megapascal> {
-        let wanted = self.desired.as_ref().map(|desired| desired.pressure);
-        wanted.filter(|&pressure| self.command.is_none() && is_same(self.air.setpoint, pressure))
+        self.wanted().filter(|&wanted| self.command.is_none() && is_same(self.air.setpoint, wanted))
     }
 
     /// Forgets failed tries once the robot has kept its setpoint for as long as the longest pause between two: a robot that

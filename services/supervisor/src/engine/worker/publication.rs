@@ -146,7 +146,7 @@ impl Stepper {
     /// Sends the setpoints under way again after a birth or a restored connection: the robot may have reported their
     /// results while no supervisor listened, and repeats its report for the same `command_id`.
     pub(super) fn resend_setpoints(&mut self, known: &mut KnownRobot) {
-        let under_way: Vec<Command> = known.robot.commands_under_way().cloned().collect();
+        let under_way: Vec<Command> = known.robot.commands_to_repeat().cloned().collect();
         for command in &under_way {
             self.publish_setpoint(known, command, Sent::Again);
         }
