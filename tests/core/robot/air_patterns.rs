@@ -115,6 +115,35 @@ impl Plant {
     }
 }
 
+/// With a status every ten seconds: seconds until the chamber counts as leaking, or as sound again.
+fn seldom_told(plant: &mut Plant, watch: &mut LeakWatch, seconds: u64, leaks: bool) -> Option<u64> {
+    (1..=seconds / 10).map(|ten| 10 * ten).find(|_| {
+        let kpa = (0..10).map(|_| plant.reading()).last().unwrap_or_default();
+        plant.second += 10;
+        let at = Micros(1_795_248_000_000_000 + 1_000_000 * plant.second);
+        watch.read(&LeakParams::default(), Source::Status, at, Megapascal::known(kpa / 1000.0));
+        watch.is_leaking() == leaks
+    })
+}
+
+/// A leak that was over soon after its call stood until the whisker was replaced.
+#[test]
+fn regress_a_leak_ends_where_statuses_are_seldom() {
+    for per_s in [1e-3, 2e-3] {
+        for seed in 70..73 {
+            let (mut plant, mut watch) = (Plant::new(Valves::Band(3.0), COARSE_KPA, seed), LeakWatch::default());
+            assert_eq!(seldom_told(&mut plant, &mut watch, 3600, true), None, "{per_s} per s, seed {seed}");
+            plant.per_s = per_s;
+            assert!(seldom_told(&mut plant, &mut watch, 7200, true).is_some(), "{per_s} per s, seed {seed}");
+            plant.per_s = 5e-5;
+            assert!(
+                seldom_told(&mut plant, &mut watch, 3600, false).is_some(),
+                "{per_s} per s, seed {seed}: it never ends"
+            );
+        }
+    }
+}
+
 /// Before chambers were their own reference, sines of 1.2 kPa and more and pulses of 2 kPa were called leaks within minutes,
 /// and hunting ones in hours.
 #[test]

@@ -101,6 +101,12 @@ impl Kept {
         self.mean = nearer(f64::from(self.mean), log_deviation) as f32;
     }
 
+    /// Forgets half of the number of contacts, and nothing that they told.
+    fn halve(&mut self) {
+        let contacts = self.contacts().div_ceil(2);
+        self.contacts_and_ratio = (contacts << RATIO_BITS) | (self.contacts_and_ratio % RATIO_STEPS);
+    }
+
     /// The mean becomes uncertain by this variance.
     fn widen(&mut self, variance: f64) {
         let weight = f64::from(self.weight);
@@ -253,6 +259,10 @@ impl ResponseBins {
             self.bins.iter_mut().for_each(|bin| bin.widen(walk * walk));
         }
         self.bins[index].add(index, ratio, log_deviation, weight);
+        if self.bins[index].contacts() == CONTACTS_MAX {
+            // At the end of the range all counts are halved, so that evaluations after so many contacts go on.
+            self.bins.iter_mut().for_each(Kept::halve);
+        }
     }
 
     /// Adds `log_shift` to all means: the measurements move to a new scale.
@@ -316,6 +326,22 @@ mod tests {
         let before = of_level(&bins);
         bins.doubt_level(0.003);
         assert!((of_level(&bins) / (before + 9e-6) - 1.0).abs() < 1e-6, "{before} {}", of_level(&bins));
+    }
+
+    /// At the end of its range the number of contacts stood still, and all that is due by it never came again.
+    #[test]
+    fn regress_the_number_of_contacts_goes_on_beyond_its_range() {
+        let mut bins = ResponseBins::default();
+        let mut add = |contacts: u32| {
+            let before = bins.contacts();
+            (0..contacts).for_each(|_| bins.add(ContactRatio::TIP, 0.1, 1e-3, 0.0));
+            (before, bins.contacts())
+        };
+        let (_, most) = add(CONTACTS_MAX - 1);
+        let (_, halved) = add(1);
+        assert_eq!((most, halved), (CONTACTS_MAX - 1, CONTACTS_MAX.div_ceil(2)));
+        assert_eq!(add(1000), (halved, halved + 1000));
+        assert!((bins.bin(11).mean() - 0.1).abs() < 1e-3, "nothing that they told is forgotten");
     }
 
     /// The closed form of a random walk's filter in the long run: gain (sqrt(q^2 + 4 q) - q) / 2, with q the walk's variance

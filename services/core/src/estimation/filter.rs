@@ -241,6 +241,12 @@ impl LengthFilter {
         (self.mean[BASELINE].into(), self.covariance.variance(BASELINE).max(0.0).sqrt())
     }
 
+    /// Standard deviation of the offset's level, log sensitivity.
+    #[must_use]
+    pub fn offset_sd(&self) -> f64 {
+        self.covariance.variance(0).max(0.0).sqrt()
+    }
+
     /// Variance of the response that the filter predicts, in log sensitivity, where length moves it by `log_slope` per unit of
     /// log length.
     #[must_use]

@@ -182,7 +182,9 @@ impl LeakTest {
             self.bound();
         }
         let turns = if is_leaking {
-            self.log_ratios.iter().all(|&ratio| ratio <= -ENDED_AT)
+            // Over longer gaps nothing speaks for or against refills as fast as the statuses.
+            let told = if gap_s > SCATTER_GAP_S { RATES } else { LEAKS };
+            self.log_ratios[..told].iter().all(|&ratio| ratio <= -ENDED_AT)
         } else {
             self.habit.exceeded(&self.against_rises())
         };

@@ -137,7 +137,9 @@ impl RatioSpread {
             return;
         }
         // The expected ratio lies `scale share_of_one (mean - stated)` off the stated one, and the prediction follows it.
-        let share_of_one = error_sd * error_sd / f64::from(self.variance);
+        // Ratios that were stated exactly alike have no variance; with errors of the least size they would have this one.
+        let least = SCALE_MIN_MAX.0 * error_sd * error_sd;
+        let share_of_one = error_sd * error_sd / f64::from(self.variance).max(least);
         let row = seen.per_ratio * share_of_one * (f64::from(self.mean) - stated.a());
         let uncertain = f64::from(self.scale_variance);
         let gain = uncertain * row / (row * row * uncertain + seen.variance);
@@ -211,6 +213,23 @@ mod tests {
             assert!((slope(zone, 0.01, true) - 1.0).abs() < 0.015, "{zone:?}: {}", slope(zone, 0.01, true));
         }
         assert!(slope((0.8, 0.9), 0.01, false) < 0.92, "without it the slope is flat");
+    }
+
+    /// The share of the errors was divided by zero: no contact of the whisker was plausible any more, and a cut was forgotten
+    /// at the next restart.
+    #[test]
+    fn regress_ratios_that_are_stated_exactly_alike_leave_the_numbers_finite() {
+        // 0.75 is exact in binary, 0.7 is not.
+        for alike in [0.75, 0.7] {
+            let mut spread = RatioSpread::default();
+            (0..12).for_each(|_| spread.learn(ContactRatio::known(alike), 0.01));
+            let other = ContactRatio::known(alike + 0.01);
+            let seen = Deviation { residual: 0.05, variance: 1.4e-3, per_ratio: 3.0 };
+            spread.learn_errors(other, 0.01, &seen);
+            assert!(spread.is_sound(), "{spread:?}");
+            assert!(spread.scale_variance > 0.1, "one contact does not settle the size of the errors: {spread:?}");
+            assert!(spread.expected(other, 0.01).sd.is_finite());
+        }
     }
 
     #[test]

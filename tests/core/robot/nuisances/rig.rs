@@ -119,6 +119,8 @@ pub(crate) enum Tests {
     /// It sweeps the whisker over an object, up to the tip.
     Sweeps,
     Rejects,
+    /// It says that they are done, and sends no touch.
+    Empty,
     /// It never answers.
     Ignores,
 }

@@ -2,8 +2,9 @@
 
 use vibrissa_core::estimation::LengthEstimate;
 use vibrissa_core::robot::effect::Condition;
+use vibrissa_core::robot::{Event, OperatorAction, Outcome, Place, Scope};
 
-use super::rig::{Rig, Tests};
+use super::rig::{ARRAY, Rig, Tests};
 
 const SEEDS: u64 = 5;
 const LOST_MM: f64 = 8.0;
@@ -215,5 +216,49 @@ fn property_a_regained_sensitivity_is_no_cut() {
             let off_mm = (length.length.mm() - 70.0).abs();
             assert!(is_within(&length, 70.0) && off_mm < 1.5, "{gain}, seed {seed}: {length:?}");
         }
+    }
+}
+
+/// Moves the first whisker to another pressure for a look, and back.
+fn look_at_another_pressure(rig: &mut Rig) {
+    let whisker = Place { array: ARRAY, whisker: 0 };
+    let asked = OperatorAction::Setpoint { whisker, pressure_mpa: 0.05 };
+    assert_eq!(rig.tested(&Event::Operator(&asked)), Outcome::Taken);
+    rig.run(20);
+    let released = OperatorAction::Release(Scope::Whisker(whisker));
+    assert_eq!(rig.tested(&Event::Operator(&released)), Outcome::Taken);
+    rig.run(60);
+}
+
+/// The response after the loss became that of the whole whisker. Its return was called a cut of 19 mm.
+#[test]
+fn regress_a_regained_sensitivity_is_no_cut_after_a_look_at_another_pressure() {
+    for seed in 0..SEEDS {
+        for gain in [0.8, 0.5] {
+            let mut rig = Rig::new(2950 + seed, 2);
+            rig.run(600);
+            rig.whiskers[0].gain = gain;
+            rig.run(600);
+            look_at_another_pressure(&mut rig);
+            rig.whiskers[0].gain = 1.0;
+            rig.run(400);
+            assert_eq!(rig.trims().len(), 0, "{gain}, seed {seed}: {:?}", rig.trims());
+        }
+    }
+}
+
+/// A whisker that had once been at another pressure counted as one with a loss: the length that a test measured was not taken.
+#[test]
+fn regress_a_cut_after_a_look_at_another_pressure_is_measured_by_tests() {
+    for seed in 0..SEEDS {
+        let mut rig = Rig::with_tests(2980 + seed, 2, Tests::Sweeps);
+        rig.run(600);
+        look_at_another_pressure(&mut rig);
+        rig.run(500);
+        rig.whiskers[0].length_mm -= 3.0;
+        rig.run(400);
+        let trims = rig.trims();
+        let (_, last) = trims.last().unwrap_or_else(|| panic!("seed {seed}: no trim"));
+        assert!((last.length_after.length.mm() - 67.0).abs() < 1.0, "seed {seed}: {last:?}");
     }
 }

@@ -154,3 +154,31 @@ fn property_a_measured_length_owes_nothing_to_the_factory_length() {
     }
     assert!(10 * held >= 9 * all, "{held} of {all}");
 }
+
+/// A gauge that is not plugged in yet: five empty tests ended the measurement of the zero, and no test told anything from then on.
+#[test]
+fn regress_tests_without_touches_leave_the_zero_to_be_measured() {
+    let mut rig = Rig::with_tests(9700, 1, Tests::Empty);
+    rig.run(2 * LEARNED_CONTACTS);
+    assert_eq!(rig.view(0).zero, None, "nothing was measured");
+    rig.tests = Tests::Sweeps;
+    for _ in 0..3 {
+        test(&mut rig, 50);
+    }
+    assert!(rig.view(0).zero.is_some_and(|(_, sd_mm)| sd_mm < 0.5), "{:?}", rig.view(0).zero);
+}
+
+/// Only a whole whisker tells the zero of the robot's distances. A cut one lost it with its readings, and its tests told nothing
+/// any more.
+#[test]
+fn regress_readings_that_are_learned_anew_keep_the_zero_of_the_distances() {
+    let mut rig = learned(9800, 2.0, Tests::Sweeps, true);
+    test(&mut rig, 150);
+    rig.whiskers[0].length_mm -= 5.0;
+    rig.run(300);
+    let before = rig.view(0).zero;
+    assert!(before.is_some() && rig.view(0).condition == Condition::Trimmed, "{before:?}");
+    let asked = OperatorAction::Rebaseline(Place { array: ARRAY, whisker: 0 });
+    assert_eq!(rig.tested(&Event::Operator(&asked)), Outcome::Taken);
+    assert_eq!(rig.view(0).zero, before);
+}

@@ -135,7 +135,7 @@ impl Whisker {
 
     /// Whether a suspicion is that of [`Robot::doubt_length`]: the whisker has lost its response while whole, and no
     /// cut is confirmed.
-    fn was_in_doubt(&self) -> bool {
+    pub(in crate::robot) fn was_in_doubt(&self) -> bool {
         self.condition == Condition::Suspected
             && self.rare.whole_offset.is_some()
             && self.rare.pending_trim.is_none()

@@ -165,6 +165,7 @@ impl Whisker {
         if !self.filter.learn(seen, self.wander(params)) {
             return ContactResult::unused(ContactUse::Implausible);
         }
+        self.renew_whole_offset();
         let wandered = self.follow_gain(verdict);
         // After another verdict the detector starts anew, and its caller moves the state first.
         if matches!(verdict, Verdict::Quiet | Verdict::Looking | Verdict::Unconfirmed)

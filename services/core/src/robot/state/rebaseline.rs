@@ -19,6 +19,7 @@ use crate::robot::effect::{Condition, Effect, EndReason, WhiskerIndex};
 use crate::robot::params::Params;
 use crate::robot::state::rare_state::Rare;
 use crate::robot::state::whisker::Whisker;
+use crate::robot::touch_tests::DistanceZero;
 
 impl Robot {
     /// The whisker is learned anew at its present length.
@@ -52,9 +53,12 @@ impl Whisker {
         self.told_since_alarm = 0.0;
         self.end_measurement();
         let followed = self.rare.get_mut().and_then(|rare| rare.length_test.take());
+        // The zero of the distances is the robot's, and only a whole whisker tells it.
+        let zero = self.rare.zero;
         self.rare = Rare::default();
-        if followed.is_some() {
-            self.rare.get_or_insert().length_test = followed;
+        if followed.is_some() || zero != DistanceZero::UNKNOWN {
+            let rare = self.rare.get_or_insert();
+            (rare.length_test, rare.zero) = (followed, zero);
         }
         self.shift_told = false;
         self.drifting = false;

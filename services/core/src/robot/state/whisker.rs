@@ -27,6 +27,8 @@ const STEP_ERROR_SHARE: f64 = 0.5;
 const LASTING_LEVEL_SD: f64 = 0.01;
 /// Relative difference between a loss of sensitivity and its end: a gauge hardly sits as before.
 const REGAINED_WITHIN: f64 = 0.25;
+/// The offset at a pressure is known from this standard deviation on, log sensitivity. A gain that wanders as usual leaves 0.007.
+const OFFSET_KNOWN_SD: f64 = 0.02;
 /// The state of one whisker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Whisker {
@@ -311,6 +313,23 @@ impl Whisker {
             && off <= REGAINED_WITHIN * lost + 2.0 * change.variance.sqrt() * slope.abs()
     }
 
+    /// Whether its offset has moved away from that while whole, and no cut explains it.
+    fn has_lost_response(&self) -> bool {
+        self.condition == Condition::SensitivityLoss || self.was_in_doubt()
+    }
+
+    /// A whole whisker that is back at its nominal pressure shows its offset again: that of the last departure is outdated.
+    pub(in crate::robot) fn renew_whole_offset(&mut self) {
+        if self.condition == Condition::Healthy
+            && self.rare.whole_offset.is_some()
+            && self.is_at_nominal_pressure()
+            && self.filter.offset_sd() < OFFSET_KNOWN_SD
+            && let Some(rare) = self.rare.get_mut()
+        {
+            rare.whole_offset = None;
+        }
+    }
+
     /// Whether it is held at the factsheet's pressure, where its reference response is taken.
     pub(in crate::robot) fn is_at_nominal_pressure(&self) -> bool {
         (self.air.learned_at.mpa() - self.sheet.pressure.mpa()).abs() < 1e-3
@@ -327,7 +346,10 @@ impl Whisker {
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                self.rare.get_or_insert().whole_offset = Some(self.filter.whole_offset());
+                let (present, has_lost) = (self.filter.whole_offset(), self.has_lost_response());
+                let before = &mut self.rare.get_or_insert().whole_offset;
+                // With a loss the present offset is not that of the whole whisker.
+                *before = before.filter(|_| has_lost).or(Some(present));
             }
             if self.condition != Condition::Eroding {
                 self.filter.pressure_moved(moved_mpa, &params.filter);

@@ -113,6 +113,11 @@ impl Robot {
         let (off_mm, sd_mm) = whisker.zero(params);
         let is_of_zero = whisker.is_test_of_zero(params, alone);
         let Some(test) = whisker.rare.length_test.as_ref().filter(|_| is_of_zero) else { return false };
+        if test.contacts == 0 {
+            // Another one follows after a pause.
+            whisker.end_measurement();
+            return true;
+        }
         if test.evidence.posterior(sd_mm).unchanged < WHOLE_MIN {
             return false;
         }
