@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use vibrissa_core::robot::Numbers;
 
-use super::database::{Link, on};
+use super::database::{Link, Tx, on};
 use super::events::write::{Whose, clear_alarms};
 use super::load::{next_number, numbering};
 use super::{Lease, Model, StoreError, Writer, failed};
@@ -32,33 +32,16 @@ const LEAVE: [&str; 6] = [
     "UPDATE setpoints SET state = 'ABANDONED' WHERE state IN ('PENDING', 'RECEIVED', 'APPLYING') AND robot_id = $1 AND CAST($2 AS BIGINT) > 0",
 ];
 
-impl Writer {
-    /// Takes a robot out of all lists, and ends everything that is under way for it. Its history stays.
-    ///
-    /// # Errors
-    /// The database cannot be written, or the lease is lost.
-    pub async fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64) -> Result<(), StoreError> {
-        const WHAT: &str = "decommission a robot";
-        let leave = |model: &mut dyn Model| {
-            model.decommission(lease, robot_id, now_us);
-            Ok(())
-        };
-        let model = |model: &mut dyn Model| lease.numbering_in(model, leave);
-        let work = async |link: &mut Link| {
-            let (mut tx, numbers) = numbering(link, lease, WHAT).await?;
-            clear_alarms(&mut tx, Whose::Robot(robot_id), now_us).await.map_err(failed(WHAT))?;
-            for sql in LEAVE {
-                on!(&mut tx, |tx| sqlx::query(sql).bind(robot_id).bind(now_us).execute(&mut **tx).await.map(drop))
-                    .map_err(failed(WHAT))?;
-            }
-            tx.commit().await.map_err(failed(WHAT))?;
-            Ok(((), numbers))
-        };
-        let ((), numbers) = self.attempt(WHAT, PATIENCE, model, work).await?;
-        lease.numbered(numbers);
-        Ok(())
+/// Takes a robot out of all lists, and ends everything that is under way for it. Its history stays.
+pub(crate) async fn write(tx: &mut Tx<'_>, robot_id: i64, left_us: i64) -> sqlx::Result<()> {
+    clear_alarms(tx, Whose::Robot(robot_id), left_us).await?;
+    for sql in LEAVE {
+        on!(&mut *tx, |tx| sqlx::query(sql).bind(robot_id).bind(left_us).execute(&mut **tx).await.map(drop))?;
     }
+    Ok(())
+}
 
+impl Writer {
     /// Registers a robot at its first factsheet, or puts a decommissioned one back into service. `None` if the robot was
     /// decommissioned in this boot: a retained message, or a robot that nobody has started again, must not bring it back.
     ///

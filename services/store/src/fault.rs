@@ -27,6 +27,8 @@ pub enum Fault {
     NewerStateRead,
     /// Silence while the supervisor stood still counts as the robots'.
     StandstillCounts,
+    /// A status counts as sent when it is received.
+    LateStatusCounts,
     /// The process ends at once, as if killed, when a file of the archive is uploaded and its position is not advanced.
     DeathAfterUpload,
     /// The archive's horizon is the present, although earlier contacts may not be committed yet.
@@ -64,6 +66,7 @@ pub fn is(fault: Fault) -> bool {
         Fault::ExpiryByHostClock => "expiry_by_host_clock",
         Fault::NewerStateRead => "newer_state_read",
         Fault::StandstillCounts => "standstill_counts",
+        Fault::LateStatusCounts => "late_status_counts",
         Fault::DeathAfterUpload => "death_after_upload",
         Fault::EarlyHorizon => "early_horizon",
     };

@@ -226,8 +226,6 @@ pub trait Robots {
     /// # Errors
     /// There is no such robot.
     fn whisker_ids(&mut self, robot_id: i64, robot: &Robot) -> Result<Vec<NumberedWhisker>, Violation>;
-    /// Takes a robot out of service.
-    fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64);
     /// Whether the fleet has or had a robot.
     fn has_robots(&self, fleet: &Name) -> bool;
     /// Numbers of the fleet's robots with a standing alarm of this kind about them.

@@ -11,7 +11,7 @@ use super::tables::{
     ALARMS, ANSWERED, BINS, CANDIDATES, CLEARED, DECISIONS, ENDED, ERRORS, HEALTH, POLICIES, REFINEMENTS, RESPONSES,
     ROBOT_ALARMS, ROBOT_CLEARED, ROBOTS, SETPOINTS, STATES, TOUCH_TEST_PROGRESS, TOUCH_TESTS, TRIMS, WHISKERS,
 };
-use super::{StoreError, actions, calibrations, failed, quarantine, rollouts, tables};
+use super::{StoreError, actions, calibrations, decommission, failed, quarantine, rollouts, tables};
 use crate::Resolution;
 
 /// Writes the rows of all tables except contacts and the journal.
@@ -123,6 +123,9 @@ async fn write_record(tx: &mut Tx<'_>, fleet: &str, record: &Record) -> Result<(
         }
         Record::AlarmsForgotten { robot_id, cleared_us } => {
             (write_forgotten(tx, *robot_id, *cleared_us).await, "clear the alarms of a robot")
+        }
+        Record::Decommissioned { robot_id, left_us } => {
+            (decommission::write(tx, *robot_id, *left_us).await, "decommission a robot")
         }
         Record::Answer { action_id, state, problem, done_us, .. } => {
             let answer = (*action_id, *state, problem.as_deref());

@@ -69,6 +69,10 @@ impl ModelStore {
                 self.clear_alarms(lease, *robot_id, None, *cleared_us);
                 Ok(())
             }
+            Record::Decommissioned { robot_id, left_us } => {
+                self.decommission(lease, *robot_id, *left_us);
+                Ok(())
+            }
             Record::Answer { action_id, state, problem, done_us, .. } => {
                 self.answer(*action_id, state, problem.as_deref(), *done_us);
                 Ok(())

@@ -53,6 +53,20 @@ fn next(last: Option<&i64>) -> u32 {
 }
 
 impl ModelStore {
+    /// Takes a robot out of service.
+    pub(super) fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64) {
+        self.clear_alarms(lease, robot_id, None, now_us);
+        self.robots.change(&robot_id, |row| {
+            (row.state, row.held, row.is_decommissioned) = (None, false, true);
+        });
+        for whisker_id in self.whiskers_of(robot_id) {
+            self.whiskers.change(&whisker_id, |row| {
+                row.leave();
+                row.rollup = None;
+            });
+        }
+    }
+
     pub(super) fn whiskers_of(&self, robot_id: i64) -> Vec<i64> {
         self.whiskers.keys_of(|_, row| row.robot_id == robot_id)
     }
@@ -150,19 +164,6 @@ impl Robots for ModelStore {
             numbered.push((whisker_id, self.whiskers.get(&whisker_id).and_then(|row| row.rollup.clone())));
         }
         Ok(numbered)
-    }
-
-    fn decommission(&mut self, lease: &Lease, robot_id: i64, now_us: i64) {
-        self.clear_alarms(lease, robot_id, None, now_us);
-        self.robots.change(&robot_id, |row| {
-            (row.state, row.held, row.is_decommissioned) = (None, false, true);
-        });
-        for whisker_id in self.whiskers_of(robot_id) {
-            self.whiskers.change(&whisker_id, |row| {
-                row.leave();
-                row.rollup = None;
-            });
-        }
     }
 
     fn has_robots(&self, fleet: &Name) -> bool {

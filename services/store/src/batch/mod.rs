@@ -97,6 +97,7 @@ impl Batch {
             | Record::Answer { .. }
             | Record::Policy(_)
             | Record::AlarmsForgotten { .. }
+            | Record::Decommissioned { .. }
             | Record::Quarantined(_)
             | Record::TouchTest(_)
             | Record::TouchTestProgress(_)

@@ -57,7 +57,9 @@ impl Owners {
             Record::Error(row) => Self::compensation(row.compensation_id),
             Record::Refinement(row) => Self::compensation(row.compensation_id),
             Record::Approved { compensation_id } => Self::compensation(*compensation_id),
-            Record::Gone { robot_id, .. } | Record::AlarmsForgotten { robot_id, .. } => Self::robot(*robot_id),
+            Record::Gone { robot_id, .. }
+            | Record::AlarmsForgotten { robot_id, .. }
+            | Record::Decommissioned { robot_id, .. } => Self::robot(*robot_id),
             Record::SetpointState(row) if row.robot_id != 0 => Self::robot(row.robot_id),
             Record::SetpointState(row) => Self::robot(self.commands.get(&row.command_id).copied().unwrap_or_default()),
             Record::Answer { robot_id, .. } if *robot_id != 0 => Self::robot(*robot_id),

@@ -68,6 +68,13 @@ pub enum Record {
         /// Time of the change, µs since 1970 UTC by the supervisor's clock.
         cleared_us: i64,
     },
+    /// A robot that has left for good.
+    Decommissioned {
+        /// Number of the robot in the database.
+        robot_id: i64,
+        /// Time of the change, µs since 1970 UTC by the supervisor's clock.
+        left_us: i64,
+    },
     /// A message whose rows the database refused.
     Quarantined(Box<QuarantineRow>),
     /// A new touch test, requested or proposed.

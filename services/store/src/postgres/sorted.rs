@@ -76,6 +76,7 @@ impl<'b> Sorted<'b> {
                 | Record::Policy(_)
                 | Record::Quarantined(_)
                 | Record::AlarmsForgotten { .. }
+                | Record::Decommissioned { .. }
                 | Record::TestOfAction { .. }
                 | Record::Rollout(_) => false,
             };
@@ -140,6 +141,7 @@ impl<'b> Sorted<'b> {
             | Record::Policy(_)
             | Record::Quarantined(_)
             | Record::AlarmsForgotten { .. }
+            | Record::Decommissioned { .. }
             | Record::TestOfAction { .. }
             | Record::Rollout(_) => {}
         }

@@ -9,6 +9,7 @@ use vibrissa_edge::full_name::FullName;
 use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
 use vibrissa_store::actions::Action;
+use vibrissa_store::batch::Record;
 
 use super::Engine;
 use super::commit::committer::LeaseLost;
@@ -20,8 +21,7 @@ pub(super) fn leaves(action: &Action) -> bool {
 }
 
 impl Engine {
-    /// Takes a robot out of service: the database, this engine and the broker forget it, and its history stays. If the
-    /// database is unreachable, the action stays pending.
+    /// Takes a robot out of service: the database, this engine and the broker forget it, and its history stays.
     pub(super) async fn decommission(&mut self, action: &Action) -> Result<(), LeaseLost> {
         // Nothing of the robot may be written afterwards.
         self.settle().await?;
@@ -47,16 +47,13 @@ impl Engine {
             self.answer(action, robot_id, Some(Err(problem.to_owned())));
             return Ok(());
         }
-        let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
-        let (writer, lease) = committer.database();
-        if let Err(problem) = writer.decommission(lease, robot_id, wall_clock().0 as i64).await {
-            committer.failed(&problem, "cannot decommission a robot");
-            return Ok(());
-        }
         info!(robot = %FullName::robot(self.fleet.as_str(), name.as_str()), actor = action.actor, "robot decommissioned");
+        self.workers.record(Record::Decommissioned { robot_id, left_us: wall_clock().0 as i64 }, None);
         self.workers.of(&name).forget(&name);
         self.answer(action, robot_id, Some(Ok(())));
-        Ok(())
+        // Before anything else is heard of it: a factsheet would register it again.
+        self.begin_commit();
+        self.settle().await
     }
 }
 

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use vibrissa_simulation::store::ModelStore;
 use vibrissa_store::actions::{Action, Asked, NewAction};
 use vibrissa_store::allowed::TurnedAwayReading;
+use vibrissa_store::batch::Record;
 use vibrissa_store::black_boxes::NewBlackBox;
 use vibrissa_store::calibrations::NewCalibration;
 use vibrissa_store::refusals::RefusalRow;
@@ -277,7 +278,9 @@ async fn former(subject: &mut Subject) -> String {
 async fn decommission(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
     let Some(at) = subject.any_robot(random) else { return "no robot to decommission".to_owned() };
     let now_us = subject.tick();
-    let answer = subject.writer.decommission(&subject.lease, subject.robots[at].robot_id, now_us).await;
+    let record = Record::Decommissioned { robot_id: subject.robots[at].robot_id, left_us: now_us };
+    let batch = Batch { records: vec![record], ..Batch::default() };
+    let answer = subject.writer.commit(&subject.lease, &batch).await.map(drop);
     format!("decommission robot {at}: {}", text(answer))
 }
 
@@ -290,7 +293,6 @@ async fn dispossessed(subject: &mut Subject, random: &mut ChaCha8Rng) -> String 
         text(writer.register(lost, ("new", "b"), now_us).await.map(drop)),
         text(writer.boot(lost, robot_id, "new", now_us).await.map(drop)),
         text(writer.whisker_ids(lost, robot_id, &robots[at].core).await.map(drop)),
-        text(writer.decommission(lost, robot_id, now_us).await),
         text(writer.state_horizon(lost, i64::MAX).await),
         text(writer.write_turned_away(lost, &[]).await),
         text(writer.end_black_boxes(lost).await),

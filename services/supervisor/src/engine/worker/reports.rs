@@ -22,6 +22,7 @@ use vibrissa_edge::invariants::{Invariant, is_new};
 use vibrissa_edge::{self as edge, EdgeError};
 use vibrissa_store::StoreError;
 use vibrissa_store::batch::LayoutRow;
+use vibrissa_store::fault::{self, Fault};
 
 pub(super) const OLD_FACTSHEET: &str = "a factsheet of a boot that a newer one has replaced";
 
@@ -175,7 +176,7 @@ impl Stepper {
         if whiskers.is_empty() && !refused.is_empty() {
             return;
         }
-        let robot_time = Micros(message.t_us);
+        let robot_time = if fault::is(Fault::LateStatusCounts) { now } else { Micros(message.t_us) };
         let boot_id = message.boot_id.as_str();
         let event = Event::Status { boot_id, robot_time, whiskers: &whiskers };
         let outcome = self.step(known, now, &event, None);
