@@ -40,6 +40,8 @@ const LOG_BATCHES: usize = 4;
 /// Time limit for an orderly end of a fleet. Aborting after it loses nothing: uncommitted messages have no receipt, so
 /// robots send them again.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
+/// Time that the publisher has for its farewell, at least.
+const FAREWELL_PATIENCE: Duration = Duration::from_secs(3);
 
 /// Name of this part in the service's readiness.
 const TAKING_UP: &str = "taking up";
@@ -323,7 +325,8 @@ async fn run(
     }
     let problem = match published {
         Some(ended) => ended.err(),
-        None => end_by(deadline, "publisher", &mut publisher).await,
+        // An engine that takes all the time leaves enough for the farewell.
+        None => end_by(deadline.max(Instant::now() + FAREWELL_PATIENCE), "publisher", &mut publisher).await,
     };
     note_panic(problem.as_ref(), "publisher", &connection.fleet, metrics);
 }

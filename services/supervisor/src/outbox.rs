@@ -117,6 +117,12 @@ impl Losses {
         self.0.store(true, Ordering::Relaxed);
     }
 
+    /// Number of those who share it.
+    #[cfg(test)]
+    pub(crate) fn holders(&self) -> usize {
+        Arc::strong_count(&self.0)
+    }
+
     /// Whether publications may have been lost since the last call.
     pub(crate) fn take(&self) -> bool {
         self.0.swap(false, Ordering::Relaxed)

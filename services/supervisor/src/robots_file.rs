@@ -101,28 +101,24 @@ pub(crate) fn follow(
     let (first, stamp) = RobotsFile::read_with_stamp(&path)?;
     let (sender, receiver) = watch::channel(Arc::new(first));
     task::spawn(async move {
-        let (mut last, mut is_missing) = (stamp, false);
+        let (mut last, mut told) = (stamp, None);
         while timeout(LOOK_EVERY, stop.wait_for(|&stop| stop)).await.is_err() {
-            let stamp = match std::fs::metadata(&path) {
-                Ok(metadata) => Stamp::of(&metadata),
-                Err(problem) => {
-                    if !std::mem::replace(&mut is_missing, true) {
-                        warn!(path = %path.display(), %problem, "limits.robots_file missing, keeping the last list");
-                    }
-                    continue;
-                }
-            };
-            if stamp == last && !is_missing {
+            let is_same = || std::fs::metadata(&path).is_ok_and(|metadata| Stamp::of(&metadata) == last);
+            // After a problem it is read at each look: access rights change without the stamp.
+            if told.is_none() && is_same() {
                 continue;
             }
-            (last, is_missing) = (stamp, false);
             match RobotsFile::read_with_stamp(&path) {
                 Ok((file, read)) => {
-                    last = read;
+                    (last, told) = (read, None);
                     info!(path = %path.display(), fleets = file.0.len(), "limits.robots_file reloaded");
                     sender.send_replace(Arc::new(file));
                 }
-                Err(problem) => warn!(problem, "limits.robots_file invalid, keeping the last list"),
+                Err(problem) if told.as_ref() != Some(&problem) => {
+                    warn!(problem, "limits.robots_file cannot be used, keeping the last list");
+                    told = Some(problem);
+                }
+                Err(_) => {}
             }
         }
     });

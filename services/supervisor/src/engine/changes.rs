@@ -105,16 +105,17 @@ impl Engine {
 
     /// Writes the counts of refusals. If the database is unreachable, this does not wait.
     pub(super) async fn write_refusals(&mut self) -> Result<(), LeaseLost> {
-        let rows = self.workers.refusals(REFUSING_ROBOTS_AT_A_TIME);
-        if rows.is_empty() {
+        if !self.workers.robots().any(|known| known.refusals.are_due()) {
             return Ok(());
         }
         self.settle().await?;
+        let rows = self.workers.refusals(REFUSING_ROBOTS_AT_A_TIME, self.refusals_written_to);
         if let Some(committer) = self.pipeline.idle_committer() {
             let (writer, lease) = committer.database();
             match writer.add_refusals(lease, &rows).await {
                 Ok(()) => {
                     self.workers.refusals_written(&rows);
+                    self.refusals_written_to = rows.last().map_or(0, |row| row.robot_id);
                     self.tell_refusals(&rows);
                 }
                 Err(problem) => warn!(%problem, fleet = %self.fleet, "cannot count refused messages"),

@@ -190,6 +190,7 @@ impl EngineOptions {
             robot_clocks: self.robot_clocks,
             survey_from: Instant::now(),
             refusals_told_from: Instant::now(),
+            refusals_written_to: 0,
             is_archived: self.is_archived,
             awake: Instant::now(),
             fleet,

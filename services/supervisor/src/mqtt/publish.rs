@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use rumqttc::{AsyncClient, Event, LastWill, Outgoing, Packet, PublishOptions, QoS};
 use tokio::sync::{mpsc, watch};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::Instant;
 use tokio::time::{MissedTickBehavior, interval_at, timeout};
 use tracing::warn;
@@ -60,7 +60,9 @@ pub fn publish(
     let signals = Signals { connected, losses: losses.clone(), flags: Arc::default() };
     let flags = signals.flags.clone();
     let keeping_up = keep_up(connection.clone(), metrics.clone(), client.clone(), poller, signals);
-    let mut polling = task::spawn(keeping_up);
+    // Ends with the publisher, also with one that is aborted: its connection would go on, and state that this supervisor is online.
+    let mut polling = JoinSet::new();
+    task::spawn_in(&mut polling, keeping_up);
     task::spawn(async move {
         let mut repeats = interval_at(tokio::time::Instant::now() + PRESENCE_INTERVAL, PRESENCE_INTERVAL);
         repeats.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -118,12 +120,12 @@ pub fn publish(
             client.publish(topic, offline, presence_options(flags.retains())).await?;
             client.disconnect().await?;
             // Ends when the disconnect is sent.
-            let _ = (&mut polling).await;
+            polling.join_next().await;
             Ok::<(), rumqttc::ClientError>(())
         };
         // If this fails, the broker publishes the last will, with the same content.
         let _ = tokio::time::timeout(FAREWELL_TIMEOUT, farewell).await;
-        polling.abort();
+        polling.abort_all();
         metrics.mqtt_node.forget(PUBLISHING);
     })
 }
@@ -319,6 +321,28 @@ fn presence_options(retains: bool) -> PublishOptions {
 mod tests {
     use super::*;
     use crate::metrics::Metrics;
+    use crate::mqtt::{BrokerAddress, Prepared};
+
+    /// A supervisor whose fleet had moved stayed connected, and stated at each reconnection that it was online.
+    #[tokio::test]
+    async fn regress_nothing_of_a_publisher_that_is_aborted_goes_on() {
+        let fleet = Name::new("f").unwrap();
+        let metrics = Metrics::new(false).unwrap().of_fleet(&fleet);
+        let (broker, boot_id) = (BrokerAddress::new("127.0.0.1", 1), BootId::new("b").unwrap());
+        let connection = Connection::new(broker, Prepared::default(), fleet, boot_id);
+        let (_outbox, publications) = mpsc::channel(1);
+        let losses = Losses::default();
+        let publisher = publish(&connection, metrics, publications, losses.clone());
+        tokio::task::yield_now().await;
+        assert!(losses.holders() > 1, "the tasks have begun");
+        publisher.abort();
+        assert!(publisher.await.is_err_and(|ended| ended.is_cancelled()));
+        // In a runtime of one thread the aborted task is dropped in a turn of its own.
+        for _ in 0..100 {
+            tokio::task::yield_now().await;
+        }
+        assert_eq!(losses.holders(), 1, "no task goes on");
+    }
 
     #[test]
     fn an_owner_with_our_epoch_and_another_boot_is_counted_and_no_other() {

@@ -207,8 +207,7 @@ impl Execution<'_> {
             serde_json::from_str(&action.parameters).map_err(|problem| malformed(plain::data(&problem.to_string())))?;
         self.without_rollout()?;
         self.activate(&activation, &action.actor).map_err(malformed)?;
-        let names: Vec<Name> = self.workers.in_service().map(|known| known.name.clone()).collect();
-        self.relearn(&names, &activation.calibration.name);
+        self.relearn(&self.names(|_| true), &activation.calibration.name);
         Ok(())
     }
 
@@ -238,8 +237,7 @@ impl Execution<'_> {
         }
         self.without_rollout()?;
         self.set_policy(&policy, (&action.actor, action.reason.clone(), action.action_id));
-        let names: Vec<Name> = self.workers.in_service().map(|known| known.name.clone()).collect();
-        for name in names {
+        for name in self.names(|_| true) {
             self.workers.step(&name, self.now, &Event::PolicyChanged);
         }
         Ok(())

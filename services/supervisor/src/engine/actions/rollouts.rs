@@ -184,7 +184,8 @@ impl Execution<'_> {
         self.apply(&change, &changed);
     }
 
-    fn names(&self, is_wanted: impl Fn(&Name) -> bool) -> Vec<Name> {
+    /// Robots of these names, also those that the allow list excludes: they may come back.
+    pub(super) fn names(&self, is_wanted: impl Fn(&Name) -> bool) -> Vec<Name> {
         self.workers.robots().map(|known| known.name.clone()).filter(|name| is_wanted(name)).collect()
     }
 

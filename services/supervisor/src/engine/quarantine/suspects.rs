@@ -120,7 +120,9 @@ impl Suspects {
         let epoch = self.lease.epoch();
         let Some(before) = workers.of(name).robots_mut().get_mut(name) else { return };
         let (seqs, later) = (std::mem::take(&mut before.seqs), before.robot.clone());
-        let refusals = std::mem::take(&mut before.refusals);
+        let (refusals, repeats) = (std::mem::take(&mut before.refusals), std::mem::take(&mut before.repeats));
+        let (maintenance, recorder) = (std::mem::take(&mut before.maintenance), before.recorder.take());
+        let is_excluded = before.is_excluded;
         let mut replay = Replay::default();
         match offender.stored {
             Some(stored) => {
@@ -135,7 +137,8 @@ impl Suspects {
         let Some(known) = robots.get_mut(name) else { return };
         replay.finish_robot(known, epoch, stepper);
         known.robot.go_on_numbering_after(&later);
-        (known.seqs, known.rests, known.refusals) = (seqs, rests, refusals);
+        (known.seqs, known.rests, known.refusals, known.repeats) = (seqs, rests, refusals, repeats);
+        (known.maintenance, known.recorder, known.is_excluded) = (maintenance, recorder, is_excluded);
         if let ((None, _), (Some(boot_id), link)) = (known.robot.connection_state(), later.connection_state()) {
             // Nothing of it was ever committed. Its birth came before it became known, and must be repeated.
             let birth = Event::Connection { boot_id, link };

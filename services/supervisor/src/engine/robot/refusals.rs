@@ -51,9 +51,18 @@ impl Refusals {
         })
     }
 
-    /// Notes that the counts are written.
-    pub(crate) fn written(&mut self) {
-        self.0.values_mut().for_each(|count| count.unwritten = 0);
+    /// Whether there are counts that the database does not have.
+    pub(crate) fn are_due(&self) -> bool {
+        self.0.values().any(|count| count.unwritten > 0)
+    }
+
+    /// Notes that a row of this robot is written. Refusals since the row was made stay due.
+    pub(crate) fn written(&mut self, row: &RefusalRow) {
+        let of_row =
+            self.0.iter_mut().filter(|((topic, reason), _)| topic.as_str() == row.topic && *reason == row.reason);
+        for (_, count) in of_row {
+            count.unwritten = (count.unwritten - row.refused).max(0);
+        }
     }
 
     /// All counts since this supervisor knows the robot, by topic and reason.
@@ -76,10 +85,13 @@ mod tests {
         let rows: Vec<RefusalRow> = refusals.rows(7).collect();
         let fields = |row: &RefusalRow| (row.robot_id, row.topic, row.refused, row.refused_us, row.problem.len());
         assert_eq!(rows.iter().map(fields).collect::<Vec<_>>(), [(7, "contacts", 2, 2, 400), (7, "status", 1, 3, 1)]);
-        refusals.written();
-        assert_eq!(refusals.rows(7).count(), 0);
+        refusals.count(contacts, &"between", Micros(4));
+        rows.iter().for_each(|row| refusals.written(row));
+        assert_eq!(refusals.rows(7).map(|row| row.refused).collect::<Vec<_>>(), [1], "what came meanwhile is due");
+        refusals.rows(7).collect::<Vec<_>>().iter().for_each(|row| refusals.written(row));
+        assert!(!refusals.are_due());
         refusals.count(contacts, &"later", Micros(4));
         assert_eq!(refusals.rows(7).map(|row| (row.refused, row.problem)).collect::<Vec<_>>(), [(1, "later".into())]);
-        assert_eq!(refusals.totals().collect::<Vec<_>>(), [("contacts", "malformed", 3), ("status", "malformed", 1)]);
+        assert_eq!(refusals.totals().collect::<Vec<_>>(), [("contacts", "malformed", 4), ("status", "malformed", 1)]);
     }
 }

@@ -3,6 +3,7 @@
 use super::super::commit::journal::JournalEvent;
 use super::super::part::Part;
 use super::*;
+use crate::outbox::ToRobot;
 
 #[test]
 fn receipts_of_many_robots_go_out_in_turn() {
@@ -193,4 +194,22 @@ fn regress_a_missing_factsheet_is_told_although_the_connection_breaks_again_and_
     assert_eq!(missing(&mut worker, 90), None);
     link(&mut worker, "b", Link::Online);
     assert_eq!(missing(&mut worker, 91), None, "its factsheet is known");
+}
+
+/// A robot was decommissioned while the broker was away: its last messages stayed there.
+#[test]
+fn regress_retained_messages_of_a_decommissioned_robot_are_cleared_again_after_a_loss() {
+    let mut workers = Workers::new(vec![worker(2)]);
+    let name = Name::robot("r1").unwrap();
+    workers.of(&name).forget(&name);
+    let cleared = |workers: &mut Workers| {
+        workers.publish_estimates(tokio::time::Instant::now());
+        let sent = workers.of(&name).batch_mut().take_publications();
+        sent.iter().filter(|one| one.robot == name && matches!(one.message, ToRobot::Cleared(_))).count()
+    };
+    let at_once = cleared(&mut workers);
+    assert!(at_once > 0);
+    assert_eq!(cleared(&mut workers), 0);
+    workers.repeat_retained();
+    assert_eq!([cleared(&mut workers), cleared(&mut workers)], [at_once, 0]);
 }

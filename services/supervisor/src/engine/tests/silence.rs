@@ -1,5 +1,10 @@
 //! Silence of robots: in portions, and never that of the supervisor itself.
 
+use std::collections::HashSet;
+
+use vibrissa_store::batch::Record;
+
+use super::super::allow_list::AllowList;
 use super::*;
 
 #[test]
@@ -76,4 +81,26 @@ fn regress_a_robot_whose_messages_wait_is_not_silent() {
     // Once nothing of it waits, it has the time of all.
     assert!(worker.tick(silent, &Delayed::new(), usize::MAX));
     assert_eq!(faulty(&mut worker, &mut rate), [2]);
+}
+
+/// A roll-out reached a robot that was taken off the allow list. Its alarms stood until it was allowed again.
+#[test]
+fn regress_a_robot_that_the_allow_list_excludes_raises_no_alarm() {
+    let mut worker = worker(1);
+    let name = Name::robot("r1").unwrap();
+    let silent = Micros(worker.parts().1.params_of(&name).health.stale_after.0 + 2);
+    let mut rate = CheckpointRate::new(Micros(1));
+    assert!(worker.tick(silent, &Delayed::new(), usize::MAX));
+    let raised = |rows: &Batch| {
+        let is_alarm = |record: &&Record| matches!(record, Record::Alarm(_) | Record::RobotAlarm(_));
+        rows.records.iter().filter(is_alarm).count()
+    };
+    assert_eq!(raised(&seal(&mut worker, silent, &mut rate)), 1, "it is silent");
+
+    let mut nobody = AllowList::default();
+    nobody.set_listed(Some(HashSet::new()));
+    worker.set_allow_list(nobody);
+    worker.step_robot(&name, silent, &Event::PolicyChanged);
+    assert_eq!(raised(&seal(&mut worker, silent, &mut rate)), 0, "nobody is responsible for it");
+    assert_eq!(worker.robots()[&name].robot.standing().count(), 0);
 }

@@ -47,12 +47,17 @@ pub(crate) use hearing::Found;
 use announced::Announced;
 use stepper::Stepper;
 
-/// Numbers of a decommissioned robot that must not be used twice.
+/// A decommissioned robot: numbers that must not be used twice.
 #[derive(Debug, Default)]
 struct Former {
     seqs: Seqs,
     next_version: u64,
+    /// Its retained messages are cleared, as far as this engine knows.
+    is_cleared: bool,
 }
+
+/// Decommissioned robots whose retained messages are cleared again at a time.
+const CLEARED_AT_ONCE: usize = 10;
 
 /// A part of a fleet's robots, and their open batch.
 pub(crate) struct Worker {
@@ -197,9 +202,23 @@ impl Worker {
     pub(crate) fn forget(&mut self, name: &Name) {
         self.announced.take(name);
         let Some(known) = self.robots.shift_remove(name) else { return };
-        let former = Former { seqs: known.seqs, next_version: known.robot.next_version() };
+        let former = Former { seqs: known.seqs, next_version: known.robot.next_version(), is_cleared: true };
         self.former.insert(name.clone(), former);
         self.stepper.clear_retained(name);
+    }
+
+    /// Makes the retained messages of decommissioned robots due to be cleared again.
+    pub(super) fn repeat_clearing(&mut self) {
+        self.former.values_mut().for_each(|former| former.is_cleared = false);
+    }
+
+    /// Clears the retained messages of decommissioned robots that are due, but for those that have announced themselves anew.
+    pub(super) fn clear_former(&mut self) {
+        let due = self.former.iter_mut().filter(|(name, former)| !former.is_cleared && !self.announced.has(name));
+        for (name, former) in due.take(CLEARED_AT_ONCE) {
+            former.is_cleared = true;
+            self.stepper.clear_retained(name);
+        }
     }
 
     /// Steps one robot; `None` if it is not known.

@@ -1,6 +1,6 @@
 //! Counts of refusals, and of stored items that cannot be read, of all workers.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use vibrissa_store::refusals::RefusalRow;
 
@@ -20,17 +20,22 @@ impl Workers {
         self.iter().map(|worker| worker.stepper().set_aside()).sum()
     }
 
-    /// Refusals since they were last written, as rows of at most so many robots.
-    pub(crate) fn refusals(&self, robots_max: usize) -> Vec<RefusalRow> {
-        let of_each = self.robots().map(|known| known.refusals.rows(known.robot_id).collect::<Vec<_>>());
-        of_each.filter(|rows| !rows.is_empty()).take(robots_max).flatten().collect()
+    /// Refusals since they were last written, as rows of at most so many robots: those after this robot first, so that
+    /// each has its turn.
+    pub(crate) fn refusals(&self, robots_max: usize, after_robot_id: i64) -> Vec<RefusalRow> {
+        let mut due: Vec<_> = self.robots().filter(|known| known.refusals.are_due()).collect();
+        due.sort_unstable_by_key(|known| (known.robot_id <= after_robot_id, known.robot_id));
+        due.iter().take(robots_max).flat_map(|known| known.refusals.rows(known.robot_id)).collect()
     }
 
     /// Notes that these rows are written.
     pub(crate) fn refusals_written(&mut self, rows: &[RefusalRow]) {
-        let written: BTreeSet<i64> = rows.iter().map(|row| row.robot_id).collect();
-        for known in self.robots_mut().filter(|known| written.contains(&known.robot_id)) {
-            known.refusals.written();
+        let mut of_robot: BTreeMap<i64, Vec<&RefusalRow>> = BTreeMap::new();
+        rows.iter().for_each(|row| of_robot.entry(row.robot_id).or_default().push(row));
+        for known in self.robots_mut() {
+            for row in of_robot.get(&known.robot_id).into_iter().flatten() {
+                known.refusals.written(row);
+            }
         }
     }
 }

@@ -223,6 +223,11 @@ impl Stepper {
         }
         let mut effects = std::mem::take(&mut self.effects);
         let outcome = known.robot.step(self.params_of(&known.name), now, event, &mut effects);
+        if known.is_excluded {
+            known.robot.withdraw_alarms();
+            effects.retain(|effect| !matches!(effect, Effect::Alarm { .. } | Effect::RobotAlarm { .. }));
+            self.batch.checkpoint(known);
+        }
         known.is_heard |= is_of_newest_boot(event, outcome);
         self.has_stepped |= outcome == Outcome::Taken || !effects.is_empty();
         if let Some(traces) = &mut self.traces

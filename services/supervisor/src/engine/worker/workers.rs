@@ -233,6 +233,7 @@ impl Workers {
         let each = ESTIMATED_AT_ONCE / self.workers.len();
         for worker in &mut self.workers {
             worker.publish_estimates(now, each);
+            worker.clear_former();
         }
     }
 
@@ -244,12 +245,13 @@ impl Workers {
         }
     }
 
-    /// Makes the retained messages of all robots due, because some may not have reached the broker.
+    /// Makes the retained messages of all robots due, and the clearing of those of former robots, because some may not have reached the broker.
     pub(crate) fn repeat_retained(&mut self) {
         for known in self.robots_mut() {
             known.estimates.repeat();
             known.maintenance.repeat();
         }
+        self.workers.iter_mut().for_each(Worker::repeat_clearing);
     }
 
     /// Takes over when touch tests of whiskers have ended, by rows of whiskers.
