@@ -197,9 +197,6 @@ impl Bridge {
             // The agent says hello at the start and again as an answer.
             let is_same = whiskers.len() == self.whiskers.len() && whiskers.iter().all(known);
             let stop = || Output::Stop("the robot has other whiskers now: starting anew".to_owned());
-            if let Some(mapped) = &mut self.mapped {
-                (mapped.driving, mapped.task) = (None, None);
-            }
             if !is_same {
                 return vec![stop()];
             }
@@ -208,7 +205,9 @@ impl Bridge {
                     self.whiskers[index].rename(named);
                 }
             }
-            return self.whiskers.iter().filter_map(Whisker::reported).map(Output::Line).collect();
+            // A new agent knows no state of a topic that is published on a change only.
+            let states = self.mapped.iter().flat_map(Mapped::states);
+            return self.whiskers.iter().filter_map(Whisker::reported).chain(states).map(Output::Line).collect();
         }
         if whiskers.len() > WHISKERS_MAX {
             let many = whiskers.len();

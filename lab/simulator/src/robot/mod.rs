@@ -58,6 +58,8 @@ pub struct RobotConfig {
     pub calibration_error: f64,
     /// Mechanics of its whiskers without deviations.
     pub model: Model,
+    /// Name of these mechanics in the factsheet: that of the scenario's calibration, or of the built-in one.
+    pub model_name: String,
     /// Scenario of the robot.
     pub robot: RobotScenario,
 }
@@ -73,6 +75,7 @@ impl RobotConfig {
             noise: scenario.noise.clone(),
             calibration_error: scenario.calibration_error,
             model: model.clone(),
+            model_name: scenario.calibration.as_ref().map_or("nguyen-2021", |own| own.name.as_str()).to_owned(),
             robot: robot.clone(),
         })
     }

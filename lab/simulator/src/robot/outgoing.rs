@@ -5,10 +5,7 @@ use vibrissa_robot::contract::{Facts, Moment};
 
 use super::{Outgoing, Robot, RobotConfig};
 use crate::journal::JournalEntry;
-use crate::scenario::{ArrayScenario, Behaviour, Misbehaviour, WhiskerScenario};
-
-/// Calibration in the factsheet: the built-in one, from which each whisker deviates slightly.
-const WHISKER_MODEL: &str = "nguyen-2021";
+use crate::scenario::{ArrayScenario, Misbehaviour, WhiskerScenario};
 
 impl Robot {
     /// Last will for the next connection, with the same boot id as its birth.
@@ -108,7 +105,7 @@ pub(super) fn facts(config: &RobotConfig) -> Facts {
     Facts {
         model: config.robot.model.clone(),
         on_supervisor_loss: config.robot.on_supervisor_loss,
-        arrays: config.robot.arrays.iter().map(|array| array_facts(&config.behaviour, array)).collect(),
+        arrays: config.robot.arrays.iter().map(|array| array_facts(config, array)).collect(),
         touch_tests: config.behaviour.touch_tests.clone(),
         applies_gain: config.robot.applies_gain,
         air_control: config.behaviour.air_control,
@@ -116,29 +113,27 @@ pub(super) fn facts(config: &RobotConfig) -> Facts {
     }
 }
 
-fn array_facts(behaviour: &Behaviour, array: &ArrayScenario) -> ArrayFacts {
-    let place = Some(behaviour.places.kind()).filter(|kind| *kind != PlaceKind::Ratio);
-    let whiskers = array.whiskers.iter().map(|whisker| WhiskerFacts { place, ..whisker_facts(whisker) });
+fn array_facts(config: &RobotConfig, array: &ArrayScenario) -> ArrayFacts {
     ArrayFacts {
         array: array.array.clone(),
         array_type: array.array_type,
-        task: behaviour.task,
-        whiskers: whiskers.collect(),
+        task: config.behaviour.task,
+        whiskers: array.whiskers.iter().map(|whisker| whisker_facts(config, whisker)).collect(),
     }
 }
 
-fn whisker_facts(whisker: &WhiskerScenario) -> WhiskerFacts {
+fn whisker_facts(config: &RobotConfig, whisker: &WhiskerScenario) -> WhiskerFacts {
     WhiskerFacts {
         whisker: whisker.whisker,
         x_mm: whisker.x_mm,
         y_mm: whisker.y_mm,
-        model: WHISKER_MODEL.to_owned(),
+        model: config.model_name.clone(),
         length_mm: whisker.length_mm,
         length_tolerance_mm: whisker.length_tolerance_mm,
         pressure_mpa: whisker.pressure_mpa,
         pressure_max_mpa: whisker.pressure_max_mpa,
         neighbours: whisker.neighbours.clone(),
-        place: None,
+        place: Some(config.behaviour.places.kind()).filter(|kind| *kind != PlaceKind::Ratio),
         strain_max: whisker.strain_max,
     }
 }

@@ -35,7 +35,7 @@ pub struct Scenario {
     #[serde(default = "default_calibration_error")]
     pub calibration_error: f64,
     /// Dimensions and calibration of the whiskers before their deviations, as in a calibration file; those of the paper if
-    /// absent. Its `name` belongs into `model` of the robots.
+    /// absent. The factsheets name it as the whiskers' model.
     #[serde(default)]
     pub calibration: Option<CalibrationFile>,
     /// The robots, with distinct names.

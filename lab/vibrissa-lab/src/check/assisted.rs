@@ -54,12 +54,9 @@ impl Bench {
         match &action {
             Action::CloseSupply(spot) => self.owed.push(Action::OpenSupply(spot.clone())),
             Action::Stop => self.owed.push(Action::Start),
-            Action::CutPower
-            | Action::OpenSupply(_)
-            | Action::Touch
-            | Action::Rest
-            | Action::Start
-            | Action::TouchPlace(_) => {}
+            Action::Touch | Action::TouchPlace(_) => self.owed.push(Action::Rest),
+            Action::Rest => self.done(&Action::Rest),
+            Action::CutPower | Action::OpenSupply(_) | Action::Start => {}
         }
         progress(Progress::Act(action, limit));
     }

@@ -16,21 +16,24 @@ const SAME: f64 = 0.12;
 const RULES: [Rule; 1] = [Rule::StrainAsMeasured];
 
 impl Bench {
+    fn applies_gain(&self) -> bool {
+        self.heard.factsheet.as_ref().is_some_and(|factsheet| factsheet.applies_gain)
+    }
+
+    /// Whether the check has taken a gain away: each of its setpoints has none.
+    pub(super) fn has_reset_gain(&self) -> bool {
+        self.applies_gain() && self.commands > 0
+    }
+
     /// Tests whether the strain of contacts is the same with a factor and without.
     ///
     /// # Errors
     /// The connection broke, or a supervisor appeared.
     pub(super) async fn gains(&mut self, trial: &Trial) -> anyhow::Result<()> {
-        let applies = self.heard.factsheet.as_ref().is_some_and(|factsheet| factsheet.applies_gain);
-        if !applies {
+        if !self.applies_gain() {
             self.exempt(&RULES, "the factsheet does not state applies_gain: the robot is told no factor");
             return Ok(());
         }
-        self.heard.findings.note(format!(
-            "THE READINGS OF WHISKER {} HAVE THE FACTOR 1 NOW, as those of whiskers that need none: the check cannot know the \
-             last supervisor's. Restart the robot, and the next supervisor sends it again",
-            trial.spot()
-        ));
         let without = self.strain_per_mm(trial, None).await?;
         let with = self.strain_per_mm(trial, Some(READING_GAIN)).await?;
         match (without, with) {

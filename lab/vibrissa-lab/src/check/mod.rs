@@ -239,6 +239,14 @@ async fn put_back(bench: &mut Bench) -> Vec<String> {
 }
 
 async fn put_back_pressure(bench: &mut Bench) {
+    if let Some(trial) = bench.trial.as_ref().filter(|_| bench.has_reset_gain()) {
+        let note = format!(
+            "THE READINGS OF WHISKER {} HAVE THE FACTOR 1 NOW, as those of whiskers that need none: the check cannot know the \
+             last supervisor's. Restart the robot, and the next supervisor sends it again",
+            trial.spot()
+        );
+        bench.heard.findings.note(note);
+    }
     let note = match (bench.go_home().await, &bench.trial) {
         (_, None) => return,
         (Ok(true), Some(trial)) => format!("its setpoint of {:.4} MPa was restored", trial.home_mpa),

@@ -115,7 +115,7 @@ impl Comparison {
         writeln!(
             out,
             "\n{:<width$} {:>7} {:>8} {:>6} {:>15} {:>9} {:>10}",
-            "policy", "served", "unserved", "ended", "mean error (%)", "setpoints", "active"
+            "policy", "served", "unserved", "ended", "mean error (%)", "setpoints", "in force"
         )?;
         for side in &self.sides {
             let Sums { served, unserved, ended, setpoints, .. } = side.sums;

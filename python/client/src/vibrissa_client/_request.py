@@ -13,8 +13,9 @@ import httpx
 
 from . import models
 
-#: Answers after which the same request may succeed: too many requests, and a supervisor or database that is away.
-PASSING = frozenset({429, 503, 504})
+#: Answers after which the same request may succeed: too many requests, and a supervisor or database that is away. 502 is a
+#: proxy's answer while the supervisor behind it restarts.
+PASSING = frozenset({429, 502, 503, 504})
 
 
 @dataclass

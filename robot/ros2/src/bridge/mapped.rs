@@ -28,10 +28,10 @@ pub(super) struct Mapped {
     heard: Vec<(f64, bool)>,
     /// Deflection and distance of each whisker, m, and its contact ratio, each with the time of its message.
     motions: Vec<[Option<(f64, f64)>; 3]>,
-    /// Whether the robot moves, by the last line to this agent.
-    pub(super) driving: Option<bool>,
+    /// Whether the robot moves, by the last line to the agent.
+    driving: Option<bool>,
     /// The same of whether it is in a task.
-    pub(super) task: Option<bool>,
+    task: Option<bool>,
     constants_at_s: f64,
 }
 
@@ -41,6 +41,12 @@ impl Mapped {
         let motions = vec![[None; 3]; whiskers];
         let constants_at_s = f64::NEG_INFINITY;
         Self { mapping: Arc::new(mapping), heard, motions, driving: None, task: None, constants_at_s }
+    }
+
+    /// Lines of the states that the last messages gave.
+    pub(super) fn states(&self) -> impl Iterator<Item = ToAgent> {
+        let driving = self.driving.map(|driving| ToAgent::Driving { driving });
+        driving.into_iter().chain(self.task.map(|task| ToAgent::Task { task }))
     }
 
     fn silence(topic: &MappedTopic, age_s: f64) -> String {

@@ -38,6 +38,14 @@ fn bridge(mapping: &str, pressures: Pressures) -> Bridge {
     bridge
 }
 
+/// Lines of the bridge to an agent that starts anew.
+fn said_again(bridge: &mut Bridge) -> Vec<Json> {
+    let whiskers: Vec<Json> = (0..2)
+        .map(|whisker| json!({"array": "left", "whisker": whisker, "pressure_mpa": 0.1, "pressure_max_mpa": 0.2}))
+        .collect();
+    lines(say(bridge, 2.0, &json!({"type": "hello", "version": 1, "whiskers": whiskers})))
+}
+
 /// A message of the mapped topic with this name, from its fields in their order.
 fn message(bridge: &mut Bridge, now_s: f64, topic: &str, fields: &Json) -> Vec<Output> {
     let topics = &bridge.mapping().expect("a mapping").topics;
@@ -148,11 +156,14 @@ whiskers:
     pressure: {constant: 100000}
 ";
     let mut bridge = bridge(text, Pressures::Gauge);
-    let mut says = |busy: bool| lines(message(&mut bridge, 1.0, "/busy", &json!([busy])));
     let both = |busy: bool| [json!({"type": "driving", "driving": busy}), json!({"type": "task", "task": busy})];
+    let mut says = |busy: bool| lines(message(&mut bridge, 1.0, "/busy", &json!([busy])));
     assert_eq!(says(true), both(true));
     assert!(says(true).is_empty(), "unchanged");
     assert_eq!(says(false), both(false));
+    assert_eq!(says(true), both(true));
+    // Before, a robot whose topic is published on a change only took setpoints in the middle of a task.
+    assert_eq!(said_again(&mut bridge), both(true), "a new agent knows it, too");
 
     let list = "task: {topic: /busy, type: std_msgs/msg/Float64MultiArray, field: data}
 whiskers:

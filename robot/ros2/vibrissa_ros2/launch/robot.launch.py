@@ -1,4 +1,4 @@
-"""The agent of a robot, and its ROS node: `ros2 launch vibrissa_ros2 robot.launch.py namespace:=crawler`.
+"""The agent of a robot, and its ROS node: `ros2 launch vibrissa_ros2 robot.launch.py namespace:=crawler pressures:=gauge`.
 
 The agent's configuration has `unix = "/run/vibrissa/driver.sock"` in its section [driver].
 """
@@ -12,7 +12,8 @@ from launch_ros.actions import Node
 def generate_launch_description():
     return LaunchDescription([
         DeclareLaunchArgument("namespace", default_value="vibrissa"),
-        DeclareLaunchArgument("pressures", default_value="absolute"),
+        # "gauge" or "absolute", as the nodes publish them. There is no default: a mistake is 0.1 MPa.
+        DeclareLaunchArgument("pressures", choices=["gauge", "absolute"]),
         DeclareLaunchArgument("config", default_value="/etc/vibrissa/agent.toml"),
         ExecuteProcess(
             cmd=["vibrissa-robot", "--config", LaunchConfiguration("config")],

@@ -13,6 +13,26 @@ fn a_birth_is_followed_by_the_factsheet_and_a_status() {
     assert_eq!((status.seq, status.whiskers.len(), status.contacts_dropped), (0, 2, None));
 }
 
+/// The factsheet named the built-in calibration, so that a supervisor took a whisker of another rubber for one of the paper's.
+#[test]
+fn regress_the_factsheet_names_the_calibration_of_the_scenario() {
+    let own = r#"
+name = "own"
+c = 1.0
+a = 1.3
+b_per_mpa = 12.0
+youngs_modulus_mpa = 1.2
+elongation_gain_mm = 40.0
+"#;
+    for (calibration, name) in [(None, "nguyen-2021"), (Some(toml::from_str(own).unwrap()), "own")] {
+        let mut bench = Bench::connected(|scenario| scenario.calibration = calibration);
+        let messages = bench.sent();
+        let facts =
+            messages.iter().find_map(|one| if let Message::Factsheet(facts) = one { Some(facts) } else { None });
+        assert!(facts.unwrap().arrays[0].whiskers.iter().all(|whisker| whisker.model == name), "{name}");
+    }
+}
+
 #[test]
 fn a_will_has_the_boot_id_of_its_birth_and_a_seq_of_its_own() {
     let mut bench = Bench::new(|_| {});
