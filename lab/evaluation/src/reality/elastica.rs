@@ -17,7 +17,7 @@ mod whisker;
 
 use std::f64::consts::PI;
 
-pub(super) use table::{Bending, Place};
+pub(super) use table::{Bending, Nature, Place};
 
 /// Steps of the integration along the rod, at least.
 const STEPS: f64 = 48.0;

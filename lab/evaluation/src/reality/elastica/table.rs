@@ -26,10 +26,18 @@ const KEPT: usize = 6;
 pub(in crate::reality) struct Bending {
     geometry: Geometry,
     calibration: Calibration,
-    /// Coefficient of friction.
-    friction: f64,
+    nature: Nature,
     /// Tables of the last pressures, the newest last.
     kept: RefCell<Vec<Table>>,
+}
+
+/// What the whiskers of a row have besides their mechanics.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::reality) struct Nature {
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Share of its thickness under pressure that the wall has by its volume, and not by eq. 18 to 20.
+    pub by_volume: f64,
 }
 
 /// A contact of a whisker.
@@ -43,19 +51,23 @@ pub(in crate::reality) struct Place {
 }
 
 impl Bending {
-    pub(in crate::reality) fn new(geometry: Geometry, calibration: Calibration, friction: f64) -> Self {
-        Self { geometry, calibration, friction, kept: RefCell::default() }
+    pub(in crate::reality) fn new(geometry: Geometry, calibration: Calibration, nature: Nature) -> Self {
+        Self { geometry, calibration, nature, kept: RefCell::default() }
     }
 
     /// Strain per mm of deflection at a deflection, 1/mm, also where the object returns, so that the friction has turned.
     /// `None` on the chamber.
     pub(in crate::reality) fn per_mm(&self, place: Place, deflection_mm: f64, returns: bool) -> Option<f64> {
-        let friction = if returns { -self.friction } else { self.friction };
+        let friction = if returns { -self.nature.friction } else { self.nature.friction };
         let mut kept = self.kept.borrow_mut();
         let is_it = |table: &Table| table.pressure_mpa == place.pressure_mpa && table.friction == friction;
         let table = match kept.iter().position(is_it) {
             Some(at) => kept.remove(at),
-            None => Table::new(&self.geometry, &self.calibration, place.pressure_mpa, friction),
+            None => {
+                let by_volume = self.nature.by_volume;
+                let whisker = Stretched::new(&self.geometry, &self.calibration, by_volume, place.pressure_mpa);
+                Table::new(&whisker, place.pressure_mpa, friction)
+            }
         };
         let log_per_mm = table.log_per_mm(place, deflection_mm);
         if kept.len() == KEPT {
@@ -127,8 +139,7 @@ struct Table {
 }
 
 impl Table {
-    fn new(geometry: &Geometry, calibration: &Calibration, pressure_mpa: f64, friction: f64) -> Self {
-        let whisker = Stretched::new(geometry, calibration, pressure_mpa);
+    fn new(whisker: &Stretched, pressure_mpa: f64, friction: f64) -> Self {
         let places = Nodes { from: whisker.chamber_end_mm.ln(), to: LONGEST_MM.ln() };
         let deflections = Nodes { from: 0.0, to: DEEPEST_MM };
         let cells = places.each().map(|log_mm| {
@@ -140,7 +151,7 @@ impl Table {
                 })
             })
         });
-        let Stretched { elongation_mm, chamber_end_mm, .. } = whisker;
+        let &Stretched { elongation_mm, chamber_end_mm, .. } = whisker;
         Self { pressure_mpa, friction, elongation_mm, chamber_end_mm, places, deflections, cells }
     }
 

@@ -16,7 +16,7 @@ fn cylinder(length_mm: f64, has_gauge: bool) -> Section {
 
 /// The paper's whisker without pressure, of one modulus.
 fn unpressurized() -> Stretched {
-    Stretched::with(&Geometry::nguyen_2021(), 1.0, 1.0, 0.0)
+    Stretched::with(&Geometry::nguyen_2021(), (1.0, 1.0), 0.0, 0.0)
 }
 
 /// Bent by an object at a distance from the base, over which the rod slides.
@@ -121,8 +121,8 @@ fn property_the_work_of_the_object_is_the_energy_of_the_rod() {
 fn property_the_table_interpolates_the_equations() {
     let (geometry, calibration) = (Geometry::nguyen_2021(), Calibration::nguyen_2021());
     for (pressure_mpa, friction) in [(0.1, 0.0), (0.2, 0.3)] {
-        let bending = Bending::new(geometry, calibration, friction);
-        let whisker = Stretched::new(&geometry, &calibration, pressure_mpa);
+        let bending = Bending::new(geometry, calibration, Nature { friction, by_volume: 1.0 });
+        let whisker = Stretched::new(&geometry, &calibration, 1.0, pressure_mpa);
         for (ratio, length_mm) in [(0.33, 54.0), (0.45, 50.0), (0.45, 70.0), (0.7, 66.0), (0.95, 75.0)] {
             let object_mm = ratio * (length_mm + whisker.elongation_mm);
             for deflection_mm in [0.2, 1.0, 3.3, 6.0] {
@@ -163,33 +163,37 @@ fn the_core_reads_up_to_4_per_cent_more_than_the_elastica_without_pressure() {
         for (deflection_mm, expected) in [0.001, 1.0, 3.0, 6.0].into_iter().zip(expected) {
             let (_, bent) = at_object(&rod, 70.0 * ratio, deflection_mm, friction);
             let off = 100.0 * (bent.strain / deflection_mm / core - 1.0);
-            assert!((off - expected).abs() < 0.006, "{ratio}, {friction}, {deflection_mm} mm: {off} %");
+            assert!((off - expected).abs() < 0.01, "{ratio}, {friction}, {deflection_mm} mm: {off} %");
         }
     }
 }
 
-/// The same under pressure for a small deflection: the wall thins with its volume here, and by eq. 18 to 20 in the core.
+/// The same under pressure for a small deflection, in both formulations, with the wall's thickness of the paper and with that
+/// of a wall that keeps its volume.
 #[test]
 fn the_core_and_the_elastica_differ_by_up_to_8_per_cent_under_pressure() {
-    for (formulation, pressure_mpa, length_mm, expected) in [
-        (Formulation::Consistent, 0.05, 70.0, [-1.84, -2.94, -3.75]),
-        (Formulation::Consistent, 0.1, 70.0, [-1.59, -3.18, -4.52]),
-        (Formulation::Consistent, 0.1, 60.0, [-1.28, -2.55, -3.84]),
-        (Formulation::Consistent, 0.2, 70.0, [0.21, -2.64, -5.75]),
-        (Formulation::Published, 0.05, 70.0, [-0.32, -0.65, -0.90]),
-        (Formulation::Published, 0.1, 70.0, [1.49, 1.83, 2.06]),
-        (Formulation::Published, 0.1, 60.0, [1.38, 1.71, 1.95]),
-        (Formulation::Published, 0.2, 70.0, [5.05, 6.30, 7.41]),
+    for (formulation, by_volume, pressure_mpa, expected) in [
+        (Formulation::Consistent, 0.0, 0.05, [-1.49, -2.21, -2.75]),
+        (Formulation::Consistent, 0.0, 0.1, [-1.12, -1.67, -2.18]),
+        (Formulation::Consistent, 0.0, 0.2, [-0.79, -0.82, -1.05]),
+        (Formulation::Published, 0.0, 0.1, [1.97, 3.41, 4.56]),
+        (Formulation::Consistent, 1.0, 0.05, [-1.84, -2.94, -3.75]),
+        (Formulation::Consistent, 1.0, 0.1, [-1.59, -3.18, -4.52]),
+        (Formulation::Consistent, 1.0, 0.2, [0.21, -2.64, -5.75]),
+        (Formulation::Published, 1.0, 0.1, [1.49, 1.83, 2.06]),
+        (Formulation::Published, 1.0, 0.2, [5.05, 6.30, 7.41]),
     ] {
         let model = Model::nguyen_2021(formulation);
         let morphology = model.morphology(Megapascal::known(pressure_mpa));
-        let bending = Bending::new(Geometry::nguyen_2021(), Calibration::nguyen_2021(), 0.0);
-        for (ratio, expected) in [0.45, 0.7, 0.95].into_iter().zip(expected) {
-            let (at, length) = (ContactRatio::known(ratio), Millimetre::known(length_mm));
-            let core = model.sensitivity_per_mm(at, length, &morphology).unwrap();
+        let nature = Nature { friction: 0.0, by_volume };
+        let bending = Bending::new(Geometry::nguyen_2021(), Calibration::nguyen_2021(), nature);
+        let off = [0.45, 0.7, 0.95].map(|ratio| {
+            let (at, length_mm) = (ContactRatio::known(ratio), 70.0);
+            let core = model.sensitivity_per_mm(at, Millimetre::known(length_mm), &morphology).unwrap();
             let read = bending.per_mm(Place { ratio, length_mm, pressure_mpa }, 0.001, false).unwrap();
-            let off = 100.0 * (read / core - 1.0);
-            assert!((off - expected).abs() < 0.006, "{formulation:?}, {pressure_mpa} MPa, {ratio}: {off} %");
-        }
+            100.0 * (read / core - 1.0)
+        });
+        let is_close = off.iter().zip(expected).all(|(off, expected): (&f64, f64)| (off - expected).abs() < 0.01);
+        assert!(is_close, "{formulation:?}, {by_volume}, {pressure_mpa} MPa: {off:?} %");
     }
 }

@@ -1,8 +1,8 @@
 //! The paper's whisker as a rod, from Table 1 alone.
 //!
 //! The air pulls the chamber longer by the measured elongation of the calibration. Each cross section stretches in inverse
-//! proportion to its area, and gets thinner by Poisson's ratio from outside, because the inner diameter stays. The modulus of
-//! the wall is that of the calibration, a property of the rubber.
+//! proportion to its area. The wall gets thinner from outside, because the inner diameter stays: as eq. 18 to 20 of the paper say,
+//! or as a wall that keeps its volume. The modulus of the wall is that of the calibration, a property of the rubber.
 
 use vibrissa_core::mechanics::{Calibration, Geometry};
 
@@ -10,6 +10,8 @@ use super::{Rod, Section};
 
 /// Slices between two marks on the chamber: its start, the two ends of the gauge, and its end.
 const SLICES: u32 = 3;
+/// Distance from the chamber's start of the first of the two places whose mean thickness the paper takes, mm.
+const NEAR_CAP_MM: f64 = 0.5;
 /// Length that no whisker exceeds, mm.
 pub(super) const LONGEST_MM: f64 = 90.0;
 
@@ -44,23 +46,29 @@ fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Stretched {
-    pub(super) fn new(g: &Geometry, calibration: &Calibration, pressure_mpa: f64) -> Self {
+    /// `by_volume` is the share of its thickness that the wall has by its volume, and not by the paper.
+    pub(super) fn new(g: &Geometry, calibration: &Calibration, by_volume: f64, pressure_mpa: f64) -> Self {
         let softened = calibration.a * (-calibration.b_per_mpa * pressure_mpa).exp();
         let wall_mpa = (calibration.c + softened) * calibration.youngs_modulus_mpa;
         let elongation_mm = calibration.elongation_gain_mm * pressure_mpa / wall_mpa;
-        Self::with(g, calibration.youngs_modulus_mpa, wall_mpa, elongation_mm)
+        Self::with(g, (calibration.youngs_modulus_mpa, wall_mpa), by_volume, elongation_mm)
     }
 
     /// A whisker with a modulus of cap and body, one of the chamber's wall, and an elongation of the chamber.
-    pub(super) fn with(g: &Geometry, modulus_mpa: f64, wall_mpa: f64, elongation_mm: f64) -> Self {
+    pub(super) fn with(g: &Geometry, (modulus_mpa, wall_mpa): (f64, f64), by_volume: f64, elongation_mm: f64) -> Self {
         let marks = [g.c_mm, g.xss_mm, g.xss_mm + g.e_mm, g.l_mm];
         let thin = |at_mm: f64| 1.0 / wall(g, at_mm).0;
         let total: f64 = marks.windows(2).map(|pair| integral(pair[0], pair[1], thin)).sum();
+        let outer_mm = |at_mm: f64| wall(g, at_mm).1 + 2.0 * g.t_mm;
+        let thinned = |at_mm: f64| 0.5 * g.poisson_ratio * outer_mm(at_mm) * elongation_mm / (g.l_mm - g.c_mm);
+        let paper_mm = g.t_mm - 0.5 * (thinned(g.c_mm + NEAR_CAP_MM) + thinned(g.l_mm));
         let ring = |at_mm: f64| {
             let stretch = 1.0 + elongation_mm * thin(at_mm) / total;
             let (squares, inner_mm) = wall(g, at_mm);
-            let outer_mm = (inner_mm.powi(2) + squares * stretch.powf(-2.0 * g.poisson_ratio)).sqrt();
-            Ring { outer_mm, inner_mm, stretch }
+            let volume_mm =
+                0.5 * ((inner_mm.powi(2) + squares * stretch.powf(-2.0 * g.poisson_ratio)).sqrt() - inner_mm);
+            let wall_mm = paper_mm + by_volume * (volume_mm - paper_mm);
+            Ring { outer_mm: inner_mm + 2.0 * wall_mm, inner_mm, stretch }
         };
         let cone = |at_mm: f64, large_mm: f64, length_mm: f64| large_mm * (1.0 - at_mm / length_mm);
         let solid = |length_mm: f64, large_mm: f64, cone_mm: f64| Section {
