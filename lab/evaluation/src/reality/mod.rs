@@ -7,16 +7,19 @@
 //!
 //! - `row`, `nuisances`: rows of the table, and sizes of the nuisances.
 //! - `whisker`, `rubber`, `air`, `course`: the plant, with a random stream for each purpose.
+//! - `mechanics`, `elastica`: the plant's strain, by the core's mechanics or by others that share nothing with them.
 //! - `robot`: the plant connected to the core.
 //! - `healthy`, `incident`, `truth`, `figures`: trials, true errors of compensations, and results.
 
 mod air;
 mod course;
+mod elastica;
 mod figures;
 #[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects matter")]
 mod healthy;
 #[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects matter")]
 mod incident;
+mod mechanics;
 mod nuisances;
 #[expect(clippy::wildcard_enum_match_arm, reason = "only a few of many effects matter")]
 mod robot;

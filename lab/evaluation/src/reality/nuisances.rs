@@ -51,6 +51,13 @@ pub struct Nuisances {
     pub late: f64,
     /// Amplitude with which a regulator hunts around its target, MPa.
     pub hunting_mpa: f64,
+    /// Whether whiskers bend as an elastica does, and not as the core's mechanics say.
+    pub elastica: bool,
+    /// Share of its thickness under pressure that the chamber's wall has by its volume, and not by the paper; only with
+    /// `elastica`.
+    pub wall_by_volume: f64,
+    /// Coefficient of friction between objects and whiskers; only with `elastica`.
+    pub friction: f64,
 }
 
 impl Nuisances {
@@ -76,6 +83,9 @@ impl Nuisances {
         modulus: 0.0,
         late: 0.0,
         hunting_mpa: 0.0,
+        elastica: false,
+        wall_by_volume: 0.0,
+        friction: 0.0,
     };
 
     /// Sizes of the nuisances of a row that last.
@@ -109,6 +119,9 @@ impl Nuisances {
             Nuisance::Zero => self.zero_mm = strength,
             Nuisance::Modulus => self.modulus = strength,
             Nuisance::Late => self.late = 0.1 * strength,
+            Nuisance::Elastica => self.elastica = true,
+            Nuisance::Wall => (self.elastica, self.wall_by_volume) = (true, strength),
+            Nuisance::Friction => (self.elastica, self.friction) = (true, 0.3 * strength),
             Nuisance::Hunting => (self.valves, self.hunting_mpa) = (1.0, 0.002 * strength),
             Nuisance::Ideal
             | Nuisance::LossCut

@@ -57,13 +57,19 @@ pub enum Nuisance {
     Camera,
     /// On/off valves whose regulator hunts around its target by 2 kPa.
     Hunting,
+    /// Whiskers bend as an elastica does, and not as the core's mechanics say.
+    Elastica,
+    /// The same, and the chamber's wall keeps its volume under pressure. By the paper it gets 1.7 times as much thinner.
+    Wall,
+    /// An elastica with a coefficient of friction of 0.3 between objects and whiskers, which turns on the way out.
+    Friction,
     /// `habits` to `valves` together, at the strength of real whiskers: no leaks, and single cuts.
     Mix,
 }
 
 impl Nuisance {
     /// All, in the order of the table.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 31] = [
         Self::Ideal,
         Self::Habits,
         Self::Temperature,
@@ -91,6 +97,9 @@ impl Nuisance {
         Self::Exchange,
         Self::Camera,
         Self::Hunting,
+        Self::Elastica,
+        Self::Wall,
+        Self::Friction,
         Self::Mix,
     ];
 
@@ -125,6 +134,9 @@ impl Nuisance {
             Self::Exchange => "exchange",
             Self::Camera => "camera",
             Self::Hunting => "hunting",
+            Self::Elastica => "elastica",
+            Self::Wall => "wall",
+            Self::Friction => "friction",
             Self::Mix => "mix",
         }
     }
@@ -138,7 +150,7 @@ impl Nuisance {
     /// The strengths at which it is evaluated.
     fn strengths(self) -> &'static [f64] {
         match self {
-            Self::Ideal | Self::Exchange | Self::Mix => &[1.0],
+            Self::Ideal | Self::Exchange | Self::Elastica | Self::Wall | Self::Mix => &[1.0],
             _ => &[0.5, 1.0, 2.0],
         }
     }

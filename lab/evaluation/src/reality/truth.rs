@@ -1,7 +1,6 @@
 //! True value of a compensation on the whiskers themselves.
 
 use vibrissa_core::mechanics::{ByRatio, CONTACT_RATIOS, ErrorProfile};
-use vibrissa_core::units::{Megapascal, Millimetre};
 
 use super::whisker::{NOMINAL_MPA, Whisker};
 
@@ -61,6 +60,6 @@ pub(super) fn rise_by_cut(whisker: &Whisker, size_mm: f64) -> f64 {
 }
 
 fn per_mm(whisker: &Whisker, length_mm: f64, pressure_mpa: f64) -> ByRatio {
-    let logs = whisker.model().log_sensitivities(Millimetre::known(length_mm), Megapascal::known(pressure_mpa));
+    let logs = whisker.log_sensitivities(length_mm, pressure_mpa);
     logs.map(|log| Some((log? + whisker.log_gain()).exp()))
 }

@@ -3,10 +3,11 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use vibrissa_core::mechanics::{Calibration, Formulation, Model, Morphology};
-use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
+use vibrissa_core::mechanics::{ByRatio, Calibration, Formulation, Model};
 
 use super::StatedPlace;
+use super::elastica::Place;
+use super::mechanics::Mechanics;
 use super::nuisances::{DEFLECTION_MAX_MM, Nuisances};
 use super::rubber::{Press, Rubber};
 use crate::deviation::{deviating, with_calibration};
@@ -115,9 +116,7 @@ pub struct Touch {
 #[derive(Debug)]
 pub struct Whisker {
     nuisances: Nuisances,
-    model: Model,
-    /// Chamber at the pressure of the last contact: pressures seldom change.
-    morphology: Morphology,
+    mechanics: Mechanics,
     /// Length at installation, mm.
     pub whole_mm: f64,
     /// Present length, mm.
@@ -162,9 +161,8 @@ impl Whisker {
         Self {
             mounted_deg: mounting.random_range(-MOUNTED_DEG..=MOUNTED_DEG),
             zero_mm,
+            mechanics: Mechanics::new(model, &nuisances),
             nuisances,
-            morphology: model.morphology(Megapascal::known(NOMINAL_MPA)),
-            model,
             whole_mm,
             length_mm: whole_mm,
             per_k: nuisances.temperature * per_k,
@@ -200,15 +198,16 @@ impl Whisker {
             StatedPlace::Distance | StatedPlace::DistanceTests => drawn * self.whole_mm / self.length_mm,
         };
         let deflection_mm = within(at.habit.deflections_mm, force);
-        let peak_mm =
-            if way < ON_THE_WAY_OUT { within((deflection_mm, DEFLECTION_MAX_MM), peak) } else { deflection_mm };
+        let returns = way < ON_THE_WAY_OUT;
+        let peak_mm = if returns { within((deflection_mm, DEFLECTION_MAX_MM), peak) } else { deflection_mm };
         let log_gain = self.log_gain() + self.per_k * at.warmer_k + at.log_shift;
         if ratio > 1.0 {
             return None;
         }
         self.live(noise[4], noise[5]);
 
-        let true_per_mm = self.sensitivity_per_mm(ratio, at.pressure_mpa)?;
+        let touched = Place { ratio, length_mm: self.length_mm, pressure_mpa: at.pressure_mpa };
+        let true_per_mm = self.mechanics.per_mm(touched, deflection_mm, returns)?;
         let press = Press { deflection_mm, peak_mm, pause_s: at.pause_s, held_s: at.held_s };
         let felt_mm = self.rubber.press(&self.nuisances, &press);
         let independent = if rare < self.nuisances.outliers { OUTLIER_SD } else { STRAIN_RELATIVE };
@@ -273,17 +272,10 @@ impl Whisker {
         self.contacts
     }
 
-    /// The whisker's true model.
+    /// Log sensitivity without noise and nuisances, by contact ratio, for a length and a pressure: the mean over the
+    /// deflections of a robot.
     #[must_use]
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-
-    fn sensitivity_per_mm(&mut self, ratio: f64, pressure_mpa: f64) -> Option<f64> {
-        if self.morphology.pressure.mpa() != pressure_mpa {
-            self.morphology = self.model.morphology(Megapascal::known(pressure_mpa.clamp(0.0, 1.0)));
-        }
-        let (ratio, length) = (ContactRatio::known(ratio), Millimetre::known(self.length_mm));
-        self.model.sensitivity_per_mm(ratio, length, &self.morphology).ok()
+    pub fn log_sensitivities(&self, length_mm: f64, pressure_mpa: f64) -> ByRatio {
+        self.mechanics.log_per_mm(length_mm, pressure_mpa)
     }
 }
