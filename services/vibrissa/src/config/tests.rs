@@ -50,7 +50,7 @@ fn the_angle_of_contacts_reaches_the_core() {
     let detection = read(&from_file("detection.contact_angle_deg_max = 25")).config.unwrap().params().detection;
     assert_eq!(detection.contact_angle_deg_max, 25.0);
     let line = one_wrong(&from_file("detection.contact_angle_deg_max = 61"));
-    assert!(line.contains("must be a number from 0 to 60, not 61"), "{line}");
+    assert!(line.contains("must be from 0.0 to 60.0, not 61.0"), "{line}");
 }
 
 #[test]
