@@ -186,6 +186,7 @@ impl Member {
                 strain,
                 pressure,
                 is_test: false,
+                angle_is_stated: false,
                 saturated: false,
                 temperature_c: None,
             });

@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             strain: Strain::new(per_mm * deflection.mm() * (1.0 + error))?,
             pressure,
             is_test: false,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: None,
         };

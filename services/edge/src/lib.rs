@@ -138,6 +138,7 @@ pub fn contact(contact: &protocol::Contact) -> Result<Contact<'_>, EdgeError> {
         saturated: contact.saturated,
         pressure: Megapascal::new(contact.pressure_mpa)?,
         is_test: contact.test_id.is_some(),
+        angle_is_stated: contact.angle_deg.is_some(),
         temperature_c: Some(contact.temperature_c),
     })
 }

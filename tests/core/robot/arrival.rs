@@ -80,6 +80,7 @@ fn take(one: &mut ByHand, begun: Micros, told: &Told) {
         strain: Strain::new(strain).unwrap(),
         pressure: Megapascal::known(PRESSURE_MPA),
         is_test: false,
+        angle_is_stated: false,
         temperature_c: None,
         saturated: false,
     };

@@ -131,6 +131,7 @@ impl ByHand {
             strain: Strain::new(strain).unwrap(),
             pressure: Megapascal::known(pressure_mpa),
             is_test: false,
+            angle_is_stated: false,
             saturated: self.saturated,
             temperature_c: None,
         };

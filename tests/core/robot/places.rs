@@ -101,6 +101,7 @@ fn a_distance_beyond_the_estimated_length_is_not_used() {
             strain: Strain::known(0.01),
             pressure: world.core.whisker(5).unwrap().setpoint,
             is_test: false,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: None,
         };

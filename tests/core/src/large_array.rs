@@ -129,6 +129,7 @@ impl LargeArray {
                 strain: Strain::known(per_mm * deflection_mm * (1.0 + error)),
                 pressure,
                 is_test: false,
+                angle_is_stated: false,
                 saturated: false,
                 temperature_c: None,
             }

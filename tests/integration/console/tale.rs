@@ -86,8 +86,8 @@ fn histories() -> Vec<(&'static str, Value, &'static str, String)> {
             "suspected of a doubtful length",
             json!({ "whisker": whisker("SUSPECTED", &json!({ "length_low_mm": 61.0 })) }),
             "warn",
-            "Perhaps cut: its length is in doubt: between 61.0\u{a0}mm and 70.3\u{a0}mm; readings do not tell, so measure it by a \
-             touch test."
+            "Perhaps cut: its length is in doubt: between 61.0\u{a0}mm and 70.3\u{a0}mm; readings do not tell a cut from another \
+             gain or a turn of the contacts, so measure it by a touch test, or let contacts state angle_deg."
                 .to_owned(),
         ),
         (

@@ -93,6 +93,7 @@ impl Supervised {
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(PRESSURE_MPA),
             is_test: false,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: None,
         };

@@ -14,7 +14,7 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Micros, Millimetre, Strain}
 use super::air::Air;
 use super::course::Course;
 use super::nuisances::Nuisances;
-use super::whisker::{Circumstances, NOMINAL_MPA, Touch, Whisker, normal, stream};
+use super::whisker::{Circumstances, MOUNTED_DEG, NOMINAL_MPA, Touch, Whisker, normal, stream};
 use super::{RobotKind, StatedPlace};
 
 /// Number of whiskers of a robot.
@@ -105,9 +105,12 @@ pub(super) struct Robot {
 }
 
 /// A robot that can do touch tests also does them on a schedule: its habit may leave out the tips for days, and then there is
-/// no silence to notice.
-fn params(place: StatedPlace) -> Params {
+/// no silence to notice. Where contacts turn, the operator knows how far.
+fn params(place: StatedPlace, nuisances: &Nuisances) -> Params {
     let mut params = Params::nguyen_2021(Formulation::Published);
+    if nuisances.turn_deg > 0.0 {
+        params.detection.contact_angle_deg_max = nuisances.turn_deg + MOUNTED_DEG;
+    }
     if place == StatedPlace::DistanceTests {
         params.touch_tests.every = TESTED_EVERY;
     }
@@ -120,7 +123,7 @@ impl Robot {
     pub(super) fn new(nuisances: Nuisances, kind: RobotKind, layout: Layout, seed: u64) -> Self {
         let place = kind.place;
         let numbers = 0..WHISKERS as u64;
-        let params = params(place);
+        let params = params(place, &nuisances);
         let (_, designed) = &params.models[0];
         let mut robot = Self {
             place,
@@ -224,6 +227,7 @@ impl Robot {
             strain: Strain::known(touch.strain),
             pressure: Megapascal::known(pressure_mpa),
             is_test: false,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: Some(self.course.temperature_c()),
         }

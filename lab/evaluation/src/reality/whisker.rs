@@ -32,7 +32,7 @@ const FIRST_LOADS_CONTACTS: f64 = 15.0;
 /// Range of the modulus of rubbers, MPa.
 const MODULUS_MPA: (f64, f64) = (0.5, 2.5);
 /// Largest angle at which a gauge is mounted, degrees.
-const MOUNTED_DEG: f64 = 10.0;
+pub(super) const MOUNTED_DEG: f64 = 10.0;
 
 /// The calibration with the modulus of a rubber within a share of the range around the designed one. The chamber's modulus
 /// E2 at each pressure stays.

@@ -67,6 +67,9 @@ pub struct DetectionParams {
     pub followed_from: u32,
     /// Largest loss of ln length per contact that may be erosion; faster losses are trims.
     pub erosion_per_contact_max: f64,
+    /// Largest angle of a contact to the plane of the gauge where the robot does not state it, degrees; 0 if contacts keep
+    /// their direction.
+    pub contact_angle_deg_max: f64,
 }
 
 impl Default for DetectionParams {
@@ -76,7 +79,16 @@ impl Default for DetectionParams {
             cold_start_contacts: 150,
             followed_from: 50,
             erosion_per_contact_max: 0.0225 / 70.0,
+            contact_angle_deg_max: 0.0,
         }
+    }
+}
+
+impl DetectionParams {
+    /// Largest change of log sensitivity by a turn of contacts without a stated angle: the gauge reads the cosine of the angle.
+    #[must_use]
+    pub fn turn_max(&self) -> f64 {
+        if self.contact_angle_deg_max > 0.0 { -self.contact_angle_deg_max.to_radians().cos().ln() } else { 0.0 }
     }
 }
 

@@ -63,6 +63,21 @@ pub(super) fn best(
 }
 
 impl Change {
+    /// The step that changes as much as this since its start.
+    #[must_use]
+    pub fn as_step(&self) -> Self {
+        if !self.kind.is_gradual() {
+            return *self;
+        }
+        let contacts = f64::from(self.contacts.max(1));
+        Self {
+            size: self.size * contacts,
+            variance: self.variance * contacts.powi(2),
+            lacking: self.lacking.map(|lacking| lacking / contacts),
+            ..*self
+        }
+    }
+
     pub(super) fn of(candidates: &Candidates, explained: &Explanation) -> Self {
         Self {
             kind: ALL[explained.index].kind,

@@ -199,6 +199,8 @@ pub struct Contact<'a> {
     pub pressure: Megapascal,
     /// Whether the robot touched on request: then its place says nothing about the robot's habits.
     pub is_test: bool,
+    /// Whether the robot states the angle of the deflection to the plane of the gauge: the strain is without it then.
+    pub angle_is_stated: bool,
     /// Temperature, degrees Celsius, if the robot measures it.
     pub temperature_c: Option<f64>,
 }

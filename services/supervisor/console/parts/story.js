@@ -63,7 +63,7 @@ function conditionOf(whisker, trim, decision) {
     case "SUSPECTED":
       return {
         tone: "warn",
-        text: `perhaps cut: ${known}; ${doubt ? "readings do not tell, so measure it by a touch test" : "more contacts or a touch test decide"}`,
+        text: `perhaps cut: ${known}; ${doubt ? "readings do not tell a cut from another gain or a turn of the contacts, so measure it by a touch test, or let contacts state angle_deg" : "more contacts or a touch test decide"}`,
       };
     case "ERODING":
       return { tone: "warn", text: `wearing off: ${known}${left(whisker)}` };

@@ -249,6 +249,7 @@ impl World {
             strain: Strain::known(strain),
             pressure,
             is_test: false,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: None,
         }

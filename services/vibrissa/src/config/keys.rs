@@ -277,6 +277,10 @@ policy_numbers! { keys {
     DetectionColdStartContacts:
         "detection.cold_start_contacts", ValueKind::Whole { min: 20, max: 100_000 }, Some("150"),
         "Number of contacts for learning a whisker's offset and noise, before anything is reported";
+    DetectionContactAngleDegMax:
+        "detection.contact_angle_deg_max", ValueKind::Number { min: 0.0, max: 60.0 }, Some("0.0"),
+        "Largest angle in degrees between a contact's deflection and the plane of the gauge, where contacts state no \
+        angle_deg: a change that such a turn explains is no trim and no loss; 0 if contacts keep their direction";
     TouchTestsPerHour: "touch_tests.per_hour", ValueKind::Whole { min: 0, max: 1000 }, Some("30"),
         "Maximum number of touch tests that are requested from a robot per hour, also those of operators; 0 for none";
     TouchTestsInARow: "touch_tests.in_a_row", ValueKind::Whole { min: 1, max: 20 }, Some("3"),

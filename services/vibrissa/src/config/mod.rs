@@ -104,6 +104,8 @@ pub struct Config {
     pub contacts_between_false_alarms: f64,
     /// Number of contacts of a whisker's cold start.
     pub cold_start_contacts: u32,
+    /// Largest angle of contacts that state none, degrees.
+    pub contact_angle_deg_max: f64,
     /// Touch tests and the suspicion of a lost reach.
     pub touch_tests: TouchTestParams,
     /// Files that contain passwords, tokens or private keys, each with the key of the configuration that leads there.
@@ -161,6 +163,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
     let policy = policy::policy(reader);
     let contacts_between_false_alarms = reader.number(Key::DetectionContactsBetweenFalseAlarms);
     let cold_start_contacts = reader.whole(Key::DetectionColdStartContacts);
+    let contact_angle_deg_max = reader.number(Key::DetectionContactAngleDegMax);
     let touch_tests = touch_tests::touch_tests(reader);
     Some(Config {
         name: name?,
@@ -195,6 +198,7 @@ fn config(reader: &mut Reader) -> Option<Config> {
         policy: policy?,
         contacts_between_false_alarms: contacts_between_false_alarms?,
         cold_start_contacts: cold_start_contacts?,
+        contact_angle_deg_max: contact_angle_deg_max?,
         touch_tests: touch_tests?,
         secret_files: std::mem::take(&mut reader.secret_files),
     })
@@ -285,6 +289,7 @@ impl Config {
         params.policy = self.policy;
         params.detection.contacts_between_false_alarms = self.contacts_between_false_alarms;
         params.detection.cold_start_contacts = self.cold_start_contacts;
+        params.detection.contact_angle_deg_max = self.contact_angle_deg_max;
         params.touch_tests = self.touch_tests;
         params
     }

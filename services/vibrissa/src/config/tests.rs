@@ -41,7 +41,16 @@ fn the_defaults_are_a_good_configuration() {
     assert_eq!(config.policy, core.policy);
     assert_eq!(config.contacts_between_false_alarms, core.detection.contacts_between_false_alarms);
     assert_eq!(config.cold_start_contacts, core.detection.cold_start_contacts);
+    assert_eq!(config.contact_angle_deg_max, core.detection.contact_angle_deg_max);
     assert_eq!(config.touch_tests, core.touch_tests);
+}
+
+#[test]
+fn the_angle_of_contacts_reaches_the_core() {
+    let detection = read(&from_file("detection.contact_angle_deg_max = 25")).config.unwrap().params().detection;
+    assert_eq!(detection.contact_angle_deg_max, 25.0);
+    let line = one_wrong(&from_file("detection.contact_angle_deg_max = 61"));
+    assert!(line.contains("must be from 0.0 to 60.0, not 61.0"), "{line}");
 }
 
 #[test]

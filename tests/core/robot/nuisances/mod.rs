@@ -14,6 +14,7 @@ mod scrapes;
 mod second_cuts;
 mod temperature;
 mod touches;
+mod turns;
 mod wandering;
 mod wear;
 mod zeros;

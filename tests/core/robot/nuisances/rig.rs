@@ -71,6 +71,8 @@ pub(crate) struct Rubber {
     pub length_mm: f64,
     /// Factor on its strain: gauge, rubber.
     pub gain: f64,
+    /// Angle of its contacts to the plane of its gauge, degrees.
+    pub angle_deg: f64,
     /// Strain that its gauge reads without a contact.
     pub baseline_strain: f64,
     /// Change of its log sensitivity per K, from [`COOL_C`] on.
@@ -104,6 +106,8 @@ pub(crate) struct Rig {
     pub(super) off_mm: f64,
     /// Its contacts state distances from the base, and no ratios.
     pub(crate) states_distance: bool,
+    /// Its contacts state their angle to the plane of the gauge, and the strain is that in the plane.
+    pub(crate) states_angle: bool,
     under_way: Vec<Command>,
     requested: Vec<TouchTest>,
     pub(super) random: ChaCha8Rng,
@@ -149,6 +153,7 @@ impl Rig {
             tests,
             off_mm: 0.0,
             states_distance: false,
+            states_angle: false,
             under_way,
             requested: Vec::new(),
             random,
@@ -268,7 +273,7 @@ impl Rig {
 
     /// A contact at a true ratio to the present length, or where the robot's habit has it.
     pub(super) fn contact_at(&mut self, index: usize, ratio: Option<f64>) -> Contact<'static> {
-        let Self { noise, random, whiskers, temperature_c, off_mm, states_distance, .. } = self;
+        let Self { noise, random, whiskers, temperature_c, off_mm, states_distance, states_angle, .. } = self;
         let one = &mut whiskers[index];
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let [strain_noise, deflection_noise, ratio_noise, fresh] = std::array::from_fn(|_| normal());
@@ -282,6 +287,7 @@ impl Rig {
         let (length, true_ratio) = (Millimetre::known(one.length_mm), ContactRatio::known(ratio));
         let per_mm = one.model.sensitivity_per_mm(true_ratio, length, &morphology).expect("beyond the chamber");
         let warm = one.per_k * (*temperature_c - COOL_C);
+        let in_plane = if *states_angle { 1.0 } else { one.angle_deg.to_radians().cos() };
         let log_noise = noise.strain * outlier * strain_noise + one.correlated + noise.bend_per_mm * deflection_mm;
         let read_ratio = ratio + noise.ratio_off + noise.ratio * ratio_noise;
         let place = if *states_distance {
@@ -296,9 +302,12 @@ impl Rig {
             robot_time: Micros(START_US + CONTACT_US * self.rounds),
             place,
             deflection: Millimetre::known(deflection_mm * (1.0 + noise.deflection * deflection_noise)),
-            strain: Strain::known(per_mm * deflection_mm * one.gain * (log_noise + warm).exp() + one.baseline_strain),
+            strain: Strain::known(
+                per_mm * deflection_mm * in_plane * one.gain * (log_noise + warm).exp() + one.baseline_strain,
+            ),
             pressure: one.pressure,
             is_test: false,
+            angle_is_stated: *states_angle,
             saturated: false,
             temperature_c: Some(*temperature_c),
         }
@@ -383,6 +392,7 @@ impl Rubber {
             model,
             length_mm: WHOLE_MM,
             gain: 1.0,
+            angle_deg: 0.0,
             baseline_strain: 0.0,
             per_k: 0.0,
             pressure: Megapascal::known(0.1),

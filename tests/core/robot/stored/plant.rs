@@ -189,6 +189,7 @@ impl Plant {
             strain: Strain::known(strain),
             pressure,
             is_test,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: Some(20.0 + f64::from(self.boot as u32)),
         }

@@ -90,6 +90,7 @@ impl Script {
             strain: Strain::known(gauge(per_mm * deflection_mm * noise)),
             pressure: nominal(),
             is_test: false,
+            angle_is_stated: false,
             saturated: false,
             temperature_c: None,
         };

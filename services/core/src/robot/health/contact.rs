@@ -66,7 +66,11 @@ impl Robot {
                 self.changed_at(index, contact.robot_time);
             }
             self.gain_wandered(params, index, felt.wandered);
-            self.conclude(params, index, felt.verdict, effects);
+            let turn_max = if contact.angle_is_stated { 0.0 } else { params.detection.turn_max() };
+            self.conclude(params, index, (felt.verdict, turn_max), effects);
+            if !self.head.touch_tests.tip && !self.head.touch_tests.wall {
+                self.whiskers[index].follow_turn(params, turn_max);
+            }
             self.test_change(params, index, &felt);
             self.measure(params, index, (position, ratio), contact, &seen, effects);
             self.follow_wear(params, index, effects);
@@ -75,8 +79,14 @@ impl Robot {
         self.request_test(params, now, index, effects);
     }
 
-    /// Turns a verdict into a condition.
-    fn conclude(&mut self, params: &Params, index: WhiskerIndex, verdict: Verdict, effects: &mut Vec<Effect>) {
+    /// Turns a verdict into a condition. A turn of the contacts changes the log sensitivity by at most `turn_max`.
+    fn conclude(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        (verdict, turn_max): (Verdict, f64),
+        effects: &mut Vec<Effect>,
+    ) {
         let whisker = &self.whiskers[index];
         let learned = whisker.contacts >= u64::from(params.detection.cold_start_contacts);
         match verdict {
@@ -102,7 +112,7 @@ impl Robot {
                 self.end_suspicion(index, effects);
             }
             Verdict::Changed(change) => {
-                self.changed(params, index, &change, effects);
+                self.changed(params, index, (&change, turn_max), effects);
                 self.whiskers[index].cannot_deny();
             }
             Verdict::Shared(change) => self.shared_shift(params, index, &change, effects),
@@ -121,7 +131,13 @@ impl Robot {
         }
     }
 
-    fn changed(&mut self, params: &Params, index: WhiskerIndex, change: &Change, effects: &mut Vec<Effect>) {
+    fn changed(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        (change, turn_max): (&Change, f64),
+        effects: &mut Vec<Effect>,
+    ) {
         let whisker = &mut self.whiskers[index];
         if change.kind != HypothesisKind::Drifting
             && whisker.model(params).is_some_and(|model| whisker.is_rest_of_shift(model, change))
@@ -134,6 +150,10 @@ impl Robot {
         if matches!(change.kind, HypothesisKind::LessSensitive | HypothesisKind::Shorter)
             && self.is_exchange(params, index, change, effects)
         {
+            return;
+        }
+        if self.whiskers[index].may_have_turned(params, change, turn_max) {
+            self.turned(params, index, (change, turn_max), effects);
             return;
         }
         let whisker = &mut self.whiskers[index];
@@ -153,9 +173,10 @@ impl Robot {
                 self.doubt_length(params, index, change, effects);
             }
             HypothesisKind::Shorter => {
+                whisker.end_small_doubt();
+                whisker.exceeds_turn(params, change, turn_max);
                 whisker.jump(change);
                 whisker.doubt_gain(params);
-                whisker.end_small_doubt();
                 if whisker.is_at_nominal_pressure() {
                     whisker.leaves_whole(whisker.filter.whole_offset());
                 }
@@ -167,6 +188,7 @@ impl Robot {
                 });
             }
             HypothesisKind::Eroding => {
+                whisker.exceeds_turn(params, change, turn_max);
                 whisker.jump(change);
                 if whisker.condition != Condition::Eroding {
                     whisker.begin_erosion(params, -change.size * whisker.filter.length().length.mm());
@@ -186,17 +208,24 @@ impl Robot {
     /// A cut stays known, and so does its compensation. What was measured in it is brought to the new scale, but the
     /// response while whole stays the target, so that the gain makes up for the change.
     pub(super) fn rescale(&mut self, params: &Params, index: WhiskerIndex, change: &Change) {
+        let Some(log_shift) = self.take_out(params, index, change) else { return };
         let whisker = &mut self.whiskers[index];
-        let Some(model) = whisker.model(params) else { return };
-        let log_shift = change.size * whisker.log_slope_with_length(model);
-        whisker.filter.rescaled(change.size, change.lacking, log_shift, log_shift);
         if whisker.is_at_nominal_pressure() {
             let now = whisker.filter.whole_offset();
             let before = Offset { level: now.level - log_shift, ..now };
             whisker.leaves_whole(before);
         }
+    }
+
+    /// [`Self::rescale`] of a whisker that goes on being whole. Returns the change, log sensitivity.
+    pub(super) fn take_out(&mut self, params: &Params, index: WhiskerIndex, change: &Change) -> Option<f64> {
+        let whisker = &mut self.whiskers[index];
+        let model = whisker.model(params)?;
+        let log_shift = change.size * whisker.log_slope_with_length(model);
+        whisker.filter.rescaled(change.size, change.lacking, log_shift, log_shift);
         self.shift_measured(index, log_shift);
         self.hasten_reviews(index);
+        Some(log_shift)
     }
 
     /// A whisker's gain has wandered. If it compensates, the published gain is renewed.

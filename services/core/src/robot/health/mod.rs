@@ -14,3 +14,4 @@ pub(in crate::robot) mod gauge;
 pub(in crate::robot) mod misfit;
 pub(in crate::robot) mod regained;
 pub mod standing;
+pub(in crate::robot) mod turn;

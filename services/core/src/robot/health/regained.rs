@@ -6,6 +6,7 @@
 //! while it was whole.
 
 use crate::detection::Change;
+use crate::estimation::LengthEstimate;
 use crate::estimation::filter::Wander;
 use crate::mechanics::Offset;
 use crate::robot::Robot;
@@ -49,6 +50,34 @@ impl Robot {
         whisker.filter.doubt_gain(slope * doubt.learned_sd_mm() / length_mm, slope);
         whisker.filter.keep_doubt(doubt.sd_mm);
         self.suspect_length(index, loss_mm, effects);
+    }
+
+    /// Puts the length of a whisker in doubt that may have lost this, mm, beside what was in doubt before: at most `most_mm` in
+    /// all. False if it goes on being taken for what it was: the loss is within the least doubt, or the whisker serves or was cut before.
+    pub(super) fn doubt_further(
+        &mut self,
+        params: &Params,
+        index: WhiskerIndex,
+        (loss_mm, most_mm): (f64, f64),
+        effects: &mut Vec<Effect>,
+    ) -> bool {
+        let whisker = &mut self.whiskers[index];
+        let Some((model, doubt)) = whisker.model(params).zip(Doubt::of(loss_mm)) else { return false };
+        let slope = whisker.log_slope_with_length(model);
+        let length_mm = whisker.filter.length().length.mm();
+        let before_mm = f64::from(whisker.filter.least_sd_mm());
+        let all =
+            Doubt { sd_mm: before_mm.hypot(doubt.sd_mm).min(DOUBT_SHARE * most_mm).max(before_mm).max(doubt.sd_mm) };
+        let more = all.learned_sd_mm().powi(2) - before_mm.powi(2);
+        if more > 0.0 {
+            whisker.filter.doubt_gain(slope * more.sqrt() / length_mm, slope);
+        }
+        whisker.filter.keep_doubt(all.sd_mm);
+        if matches!(whisker.condition, Condition::Trimmed | Condition::Eroding) || !whisker.is_at_nominal_pressure() {
+            return false;
+        }
+        self.suspect_length(index, loss_mm, effects);
+        true
     }
 
     /// Puts the length of a whisker in doubt that is learned now: it may have been shorter by this from the first
@@ -121,11 +150,22 @@ impl Doubt {
 }
 
 impl Whisker {
+    /// A loss of length is in doubt that may be as large as this, mm.
+    pub(super) fn doubt_at_least(&mut self, loss_mm: f64) {
+        self.filter.keep_doubt((DOUBT_SHARE * loss_mm).max(self.filter.least_sd_mm().into()));
+    }
+
     /// A cut is confirmed: it explains what a suspicion before it has left open.
     pub(super) fn end_small_doubt(&mut self) {
         if f64::from(self.filter.least_sd_mm()) < DOUBT_SD_MM {
             self.filter.keep_doubt(0.0);
         }
+    }
+
+    /// The length that the lag of an eroding whisker follows from: a doubt that contacts do not reduce is no lag.
+    pub(in crate::robot) fn worn_length(&self) -> LengthEstimate {
+        let is_in_doubt = f64::from(self.filter.least_sd_mm()) >= DOUBT_SD_MM;
+        if is_in_doubt { self.filter.learned_length() } else { self.filter.relative_length() }
     }
 
     /// Whether a loss of sensitivity was taken back, by its end or by a cut.

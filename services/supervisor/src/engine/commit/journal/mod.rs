@@ -27,7 +27,7 @@ use crate::engine::robot::KnownRobot;
 use crate::log_inbox::LogRange;
 use vibrissa_store::batch::ContactRow;
 
-use place::JournalPlace;
+use place::{JournalPlace, PlaceAndAngle};
 pub(crate) use stored::StoredEntries;
 use stored::read;
 
@@ -95,7 +95,7 @@ pub(crate) struct JournalContact {
     array: u16,
     whisker: u16,
     robot_time: Micros,
-    place: JournalPlace,
+    place: PlaceAndAngle,
     deflection_mm: f64,
     strain: f64,
     pressure_mpa: f64,
@@ -262,7 +262,7 @@ impl JournalContact {
             array: array_index(robot, contact.array),
             whisker: contact.whisker,
             robot_time: contact.robot_time,
-            place: JournalPlace::of(&contact.place),
+            place: PlaceAndAngle { place: JournalPlace::of(&contact.place), angle_is_stated: contact.angle_is_stated },
             deflection_mm: contact.deflection.mm(),
             strain: contact.strain.ratio(),
             pressure_mpa: contact.pressure.mpa(),
@@ -285,9 +285,9 @@ impl JournalContact {
             position: record.position as i64,
             t_us: self.robot_time.0 as i64,
             received_us: now.0 as i64,
-            place: self.place.sent().word(),
+            place: self.place.place.sent().word(),
             ratio: record.ratio.map(ContactRatio::a),
-            distance_mm: self.place.distance_mm(),
+            distance_mm: self.place.place.distance_mm(),
             deflection_mm: self.deflection_mm,
             strain: self.strain,
             pressure_mpa: self.pressure_mpa,
@@ -306,11 +306,12 @@ impl JournalContact {
             array: array_name(arrays, self.array),
             whisker: self.whisker,
             robot_time: self.robot_time,
-            place: vibrissa_edge::place(self.place.sent()).ok()?,
+            place: vibrissa_edge::place(self.place.place.sent()).ok()?,
             deflection: Millimetre::new(self.deflection_mm).ok()?,
             strain: Strain::new(self.strain).ok()?,
             pressure: Megapascal::new(self.pressure_mpa).ok()?,
             is_test: false,
+            angle_is_stated: self.place.angle_is_stated,
             saturated: false,
             temperature_c: Some(self.temperature_c),
         })

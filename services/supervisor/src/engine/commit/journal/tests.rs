@@ -95,6 +95,7 @@ fn what_was_written_is_read_and_a_row_that_is_cut_off_says_so() {
         strain: Strain::known(0.001),
         pressure: Megapascal::known(0.1),
         is_test: false,
+        angle_is_stated: false,
         saturated: false,
         temperature_c: Some(21.0),
     };

@@ -3,7 +3,7 @@
 use borsh::BorshDeserialize;
 use vibrissa_core::units::Micros;
 
-use super::{JournalContact, JournalEvent, JournalPlace, JournalStatus};
+use super::{JournalContact, JournalEvent, JournalPlace, JournalStatus, PlaceAndAngle};
 
 #[derive(BorshDeserialize)]
 pub(super) struct Entry {
@@ -50,7 +50,7 @@ impl From<Contact> for JournalContact {
             array: one.array,
             whisker: one.whisker,
             robot_time: one.robot_time,
-            place: JournalPlace::Ratio { ratio: one.ratio, sd: None },
+            place: PlaceAndAngle { place: JournalPlace::Ratio { ratio: one.ratio, sd: None }, angle_is_stated: false },
             deflection_mm: one.deflection_mm,
             strain: one.strain,
             pressure_mpa: one.pressure_mpa,
