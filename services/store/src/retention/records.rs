@@ -8,13 +8,14 @@ use crate::Store;
 use crate::database::{Either, on};
 
 /// The oldest rows of tables whose causes are over: `$1` is the time before which they are too old, `$2` the most rows, and
-/// ROW the database's name of a row. An index finds them by their time: the first numbers may be of a time at which the clock
+/// ROW the database's name of a row. The alarm with the highest number stays: SQLite would give the number to another one, and
+/// events and links name it. An index finds them by their time: the first numbers may be of a time at which the clock
 /// was ahead. CROSS JOIN makes SQLite begin with the few compensations.
 pub(super) const RECORDS: [(&str, &str); 10] = [
     (
         "alarms",
         "alarm_id IN (SELECT alarm_id FROM alarms WHERE raised_us < $1 AND cleared_us < $1 \
-         ORDER BY raised_us, alarm_id LIMIT $2)",
+         AND alarm_id < (SELECT max(alarm_id) FROM alarms) ORDER BY raised_us, alarm_id LIMIT $2)",
     ),
     (
         "health_changes",
@@ -136,8 +137,17 @@ impl Store {
     ) -> sqlx::Result<bool> {
         let unused = USES
             .map(|(table, column)| format!("AND NOT EXISTS (SELECT 1 FROM {table} u WHERE u.{column} = w.whisker_id)"));
+        // SQLite gives the highest number again if its row is removed, but events still name the whisker or the alarm.
+        const NEWEST: &str = "AND whisker_id < (SELECT max(whisker_id) FROM whiskers) AND NOT EXISTS (SELECT 1 FROM alarms a \
+             WHERE a.whisker_id = w.whisker_id AND a.alarm_id = (SELECT max(alarm_id) FROM alarms))";
+        // An owner may be putting a whisker on a layout again: its row stays.
+        let free = match &self.pool {
+            Either::Sqlite(_) => "",
+            Either::Postgres(_) => "FOR UPDATE OF w SKIP LOCKED",
+        };
         let absent = AssertSqlSafe(format!(
-            "SELECT whisker_id FROM whiskers w WHERE absent_us < $1 AND position IS NULL {} ORDER BY absent_us LIMIT $2",
+            "SELECT whisker_id FROM whiskers w WHERE absent_us < $1 AND position IS NULL {} {NEWEST} ORDER BY absent_us LIMIT $2 \
+             {free}",
             unused.join(" ")
         ));
         let mut tx = self.pool.begin().await?;

@@ -180,3 +180,23 @@ async fn regress_old_responses_of_compensations_in_force_go() {
     assert_eq!(told, [Done::Removed { table: "compensation_responses", rows: 3 }], "a day more, by the robot's clock");
     store.close().await;
 }
+
+/// SQLite gives the highest number again once its row has gone: an event of a week ago named the whisker of another robot then.
+#[tokio::test]
+async fn regress_numbers_of_removed_whiskers_and_alarms_are_not_given_again() {
+    let folder = Folder::new();
+    let (store, mut link) = unchecked(&folder).await;
+    add(&mut link, "arrays", (1, 4), NOON_US, true).await;
+    add(&mut link, "whiskers", (1, 4), NOON_US, true).await;
+    run(&mut link, "UPDATE whiskers SET position = NULL WHERE whisker_id > 1").await;
+    // The newest alarm is of whisker 3, and over.
+    add(&mut link, "alarms", (1, 3), NOON_US, true).await;
+    run(&mut link, "UPDATE alarms SET robot_id = NULL").await;
+    while store.look_after(RETENTION, NOW_US, &mut |_| {}).await.unwrap() {}
+    let numbers = async |link: &mut SqliteConnection, sql: &'static str| -> Vec<i64> {
+        sqlx::query_scalar(sql).fetch_all(link).await.unwrap()
+    };
+    assert_eq!(numbers(&mut link, "SELECT whisker_id FROM whiskers ORDER BY 1").await, [1, 3, 4]);
+    assert_eq!(numbers(&mut link, "SELECT alarm_id FROM alarms ORDER BY 1").await, [3]);
+    store.close().await;
+}
