@@ -135,7 +135,8 @@ impl Writer {
     pub async fn plan_archive(&mut self, lease: &Lease, every_us: i64) -> Result<Option<Span>, StoreError> {
         const WHAT: &str = "plan a file of the archive";
         const SQL: &str = "UPDATE archives SET planned_to_us = $2 WHERE fleet = $1";
-        // A clock that was ahead began the archive: no position is beyond the horizon otherwise. A day more for clocks that were set back.
+        // A clock that was ahead began the archive: no position is beyond the horizon otherwise. A day more for clocks that were set
+        // back.
         const BACK: &str = "UPDATE archives SET archived_to_us = $2 / $3 * $3 - $3 \
              WHERE fleet = $1 AND archived_to_us > $2 AND planned_to_us IS NULL";
         self.attempt(WHAT, PATIENCE, none, async |link| {

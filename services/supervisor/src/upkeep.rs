@@ -79,9 +79,12 @@ async fn look_after(
     Ok(store.forget_announced(old_by_us, &mut note).await? || is_more)
 }
 
+/// A fleet, and the position of its archive.
+type Standing = Option<(String, i64)>;
+
 /// Tells people of an archive that has stopped, as that of a fleet which no supervisor has any more: contacts of all fleets stay in
 /// the database. The position of another one is in the future if a clock was ahead.
-fn note_stopped(readiness: &Readiness, (last, ahead): (Option<(String, i64)>, Option<(String, i64)>), now_us: i64) {
+fn note_stopped(readiness: &Readiness, (last, ahead): (Standing, Standing), now_us: i64) {
     let stopped = last.filter(|(_, archived_us)| now_us - archived_us > STOPPED_US);
     let early = ahead.map(|(fleet, archived_us)| {
         format!(

@@ -45,14 +45,16 @@ pub(super) const RECORDS: [(&str, &str); 10] = [
         "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c CROSS JOIN compensation_errors e \
          WHERE e.compensation_id = c.compensation_id AND e.recorded_us < $1 AND EXISTS (SELECT 1 FROM compensation_errors n \
          WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us \
-         AND n.compensation_error_id > e.compensation_error_id) AND EXISTS (SELECT 1 FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
+         AND n.compensation_error_id > e.compensation_error_id) AND EXISTS (SELECT 1 \
+         FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
     ),
     (
         "compensation_errors",
         "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c CROSS JOIN compensation_errors e \
          WHERE e.compensation_id = c.compensation_id AND e.recorded_us < $1 AND EXISTS (SELECT 1 FROM compensation_errors n \
          WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us \
-         AND n.compensation_error_id > e.compensation_error_id) AND NOT EXISTS (SELECT 1 FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
+         AND n.compensation_error_id > e.compensation_error_id) AND NOT EXISTS (SELECT 1 \
+         FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
     ),
     (
         "compensation_refinements",

@@ -165,6 +165,24 @@ async fn regress_the_newest_measurement_stays_after_a_time_at_which_the_clock_wa
     store.close().await;
 }
 
+/// The contact with the lowest number was taken for the oldest one.
+#[tokio::test]
+async fn regress_boots_of_contacts_stay_after_a_time_at_which_the_clock_was_ahead() {
+    let folder = Folder::new();
+    let (store, mut link) = unchecked(&folder).await;
+    add(&mut link, "robots", (1, 1), NOW_US, true).await;
+    add(&mut link, "contacts", (1, 1), NOON_US + 400 * DAY_US, true).await;
+    for day in 0..7 {
+        add(&mut link, "boots", (10 + day, 1), NOON_US + day * DAY_US, true).await;
+        add(&mut link, "contacts", (10 + day, 1), NOON_US + day * DAY_US, true).await;
+    }
+    run(&mut link, "UPDATE boots SET robot_id = 1").await;
+    let mut told = Vec::new();
+    store.look_after(Retention { contacts_days: 30, ..RETENTION }, NOW_US, &mut |done| told.push(done)).await.unwrap();
+    assert!(told.is_empty(), "{told:?}");
+    store.close().await;
+}
+
 /// A robot without an end of its compensation adds a row at each contact.
 #[tokio::test]
 async fn regress_old_responses_of_compensations_in_force_go() {
