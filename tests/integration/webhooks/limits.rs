@@ -118,14 +118,12 @@ async fn regress_events_of_a_restored_server_come_before_new_ones() {
     let receiver = Receiver::start(Manner::Status(503)).await;
     let service = stage.supervisor("a", FAST).await;
     stage.robot().await;
-    let mut raw = stage.raw().await;
-    // An event that was told before.
-    raw.trim(9).await;
     hook(&service, &receiver, json!({ "enabled": false })).await;
+    let mut raw = stage.raw().await;
     raw.trim(1).await;
     service.stop().await;
-    // The server of the dump had counted more transactions. The new one has passed only those of the first event.
-    raw.run("UPDATE events SET tx = tx + 1000000000 WHERE event_id = (SELECT max(event_id) FROM events)").await;
+    // The server of the dump had counted far more transactions.
+    raw.run("UPDATE events SET tx = tx + 1000000000").await;
     raw.run("UPDATE webhooks SET done_tx = done_tx + 1000000000 - 1, enabled = TRUE").await;
     receiver.is(Manner::Status(200));
     let store = Store::open(&stage.address, "test").await.unwrap();

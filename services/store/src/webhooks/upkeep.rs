@@ -156,8 +156,8 @@ impl Store {
     }
 
     /// Prepares the log when a supervisor starts. A file has one supervisor at a time, so nobody holds a webhook of it now. A
-    /// PostgreSQL server that was restored from a dump begins to count transactions anew: if any event or reader names a
-    /// transaction that is still to come, all come before the new ones then, in the order of their numbers.
+    /// PostgreSQL server that was restored from a dump begins to count transactions anew: events and readers that name
+    /// transactions of the former server come before all new ones then.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -173,24 +173,14 @@ impl Store {
             }
             Either::Postgres(pool) => pool,
         };
-        let mended = async {
-            let restored = format!(
-                "SELECT EXISTS (SELECT 1 FROM events WHERE tx >= {MINE}) OR EXISTS (SELECT 1 FROM webhooks WHERE done_tx >= {MINE}) \
-                 OR EXISTS (SELECT 1 FROM event_positions WHERE tx >= {MINE})"
-            );
-            let mut tx = pool.begin().await?;
-            if sqlx::query_scalar(AssertSqlSafe(restored)).fetch_one(&mut *tx).await? {
-                for sql in [
-                    "UPDATE events SET tx = 0 WHERE tx <> 0",
-                    "UPDATE webhooks SET done_tx = 0 WHERE done_tx <> 0",
-                    "UPDATE event_positions SET tx = 0 WHERE tx <> 0",
-                ] {
-                    sqlx::query(sql).execute(&mut *tx).await?;
-                }
-            }
-            tx.commit().await
-        };
-        mended.await.map_err(failed("mend the order of events"))
+        for sql in [
+            format!("UPDATE events SET tx = 0 WHERE tx >= {MINE}"),
+            format!("UPDATE webhooks SET done_tx = 0 WHERE done_tx >= {MINE}"),
+            format!("UPDATE event_positions SET tx = 0 WHERE tx >= {MINE}"),
+        ] {
+            sqlx::query(AssertSqlSafe(sql)).execute(pool).await.map_err(failed("mend the order of events"))?;
+        }
+        Ok(())
     }
 }
 
