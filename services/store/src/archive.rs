@@ -16,10 +16,16 @@ use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
 use std::time::Duration;
 use tokio::sync::mpsc;
+use tokio::time::timeout;
 use vibrissa_protocol::Name;
+
+#[cfg(test)]
+mod tests;
 
 /// Time limit for a statement about the position.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Time limit for the next contact of a file: without an answer, the server's host may have vanished.
+const NEXT_PATIENCE: Duration = Duration::from_secs(600);
 /// Number of rows in a group that is sent to their reader.
 const GROUP_ROWS: usize = 1024;
 /// Longest span of a file, µs, if the archive is behind: an hour, or the usual length if that is more.
@@ -49,7 +55,6 @@ from_row! {
     struct Position {
         archived_to_us: i64,
         planned_to_us: Option<i64>,
-        next_contact_id: i64,
     }
 }
 
@@ -62,8 +67,13 @@ fn next_span(from_us: i64, horizon_us: i64, every_us: i64) -> Option<Span> {
     (horizon_us >= least_us).then(|| Span { from_us, to_us: horizon_us.min(most_us) })
 }
 
+/// The query of contacts for SQLite, which otherwise reads all contacts of each whisker.
+fn by_time() -> String {
+    CONTACTS.select.replacen("contacts c JOIN", "contacts c INDEXED BY contacts_by_time CROSS JOIN", 1)
+}
+
 async fn position(tx: &mut Tx<'_>, fleet: &str) -> sqlx::Result<Option<Position>> {
-    const SQL: &str = "SELECT archived_to_us, planned_to_us, next_contact_id FROM archives WHERE fleet = $1";
+    const SQL: &str = "SELECT archived_to_us, planned_to_us FROM archives WHERE fleet = $1";
     on!(tx, |tx| sqlx::query_as(SQL).bind(fleet).fetch_optional(&mut **tx).await)
 }
 
@@ -125,12 +135,27 @@ impl Writer {
     pub async fn plan_archive(&mut self, lease: &Lease, every_us: i64) -> Result<Option<Span>, StoreError> {
         const WHAT: &str = "plan a file of the archive";
         const SQL: &str = "UPDATE archives SET planned_to_us = $2 WHERE fleet = $1";
+        // A clock that was ahead began the archive: no position is beyond the horizon otherwise. A day more for clocks that were set
+        // back.
+        const BACK: &str = "UPDATE archives SET archived_to_us = $2 / $3 * $3 - $3 \
+             WHERE fleet = $1 AND archived_to_us > $2 AND planned_to_us IS NULL";
         self.attempt(WHAT, PATIENCE, none, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             let fleet = lease.fleet().as_str();
+            let horizon_us = horizon(&mut tx, fleet).await.map_err(failed(WHAT))?;
+            if let Some(horizon_us) = horizon_us {
+                on!(&mut tx, |tx| sqlx::query(BACK)
+                    .bind(fleet)
+                    .bind(horizon_us)
+                    .bind(DAY_US)
+                    .execute(&mut **tx)
+                    .await
+                    .map(drop))
+                .map_err(failed(WHAT))?;
+            }
             let at = position(&mut tx, fleet).await.map_err(failed(WHAT))?;
-            let horizon_us = horizon(&mut tx, fleet).await.map_err(failed(WHAT))?.unwrap_or_default();
+            let horizon_us = horizon_us.unwrap_or_default();
             let begun = at.and_then(|at| Some(Span { from_us: at.archived_to_us, to_us: at.planned_to_us? }));
             let new = at.and_then(|at| next_span(at.archived_to_us, horizon_us, every_us));
             if let Some(span) = new.filter(|_| begun.is_none()) {
@@ -168,15 +193,11 @@ impl Writer {
         const WHAT: &str = "advance the archive's position";
         const SQL: &str = "UPDATE archives SET archived_to_us = $3, planned_to_us = NULL, contacts = contacts + $4, \
              bytes = bytes + $5, files = files + $6 WHERE fleet = $1 AND archived_to_us = $2 AND planned_to_us = $3";
-        // Ids rise in the order of recording, so the next files need not look at rows before the first later one.
-        const NEXT: &str = "UPDATE archives SET next_contact_id = coalesce((SELECT min(contact_id) FROM contacts \
-             WHERE contact_id >= next_contact_id AND received_us >= $2), next_contact_id) WHERE fleet = $1";
         self.attempt(WHAT, PATIENCE, none, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
-            let fleet = lease.fleet().as_str();
             on!(&mut tx, |tx| sqlx::query(SQL)
-                .bind(fleet)
+                .bind(lease.fleet().as_str())
                 .bind(span.from_us)
                 .bind(span.to_us)
                 .bind(archived.contacts as i64)
@@ -186,10 +207,6 @@ impl Writer {
                 .await
                 .map(drop))
             .map_err(failed(WHAT))?;
-            if let Either::Sqlite(tx) = &mut tx {
-                let next = sqlx::query(NEXT).bind(fleet).bind(span.to_us).execute(&mut **tx).await;
-                next.map_err(failed(WHAT))?;
-            }
             tx.commit().await.map_err(failed(WHAT))
         })
         .await
@@ -204,14 +221,19 @@ impl Store {
     /// The database cannot be written.
     pub async fn begin_archives(&self, fleets: &[Name], now_us: i64) -> Result<(), StoreError> {
         const WHAT: &str = "begin the archive";
-        // No contact was received before the first boot of its robot; a day more for clocks that were set back.
-        const SQL: &str = "INSERT INTO archives (fleet, archived_to_us) \
-             SELECT CAST($1 AS TEXT), coalesce(min(first_seen_us), $2) / $3 * $3 - $3 FROM boots JOIN robots USING (robot_id) \
+        // Contacts that are still in a partitioned log were received after the first boot of their robot. A clock that was ahead may
+        // have seen the boots, hence the oldest contact; a day more for clocks that were set back.
+        const SQL: &str = "INSERT INTO archives (fleet, archived_to_us) SELECT CAST($1 AS TEXT), coalesce(min(CASE WHEN \
+             first_seen_us < $2 THEN first_seen_us ELSE $2 END), $2) / $3 * $3 - $3 FROM boots JOIN robots USING (robot_id) \
              WHERE fleet = $1 ON CONFLICT DO NOTHING";
         for fleet in fleets {
+            if self.archived_to(fleet).await?.is_some() {
+                continue;
+            }
+            let oldest_us = self.oldest_contact().await?.map_or(now_us, |oldest_us| oldest_us.min(now_us));
             on!(&self.pool, |pool| sqlx::query(SQL)
                 .bind(fleet.as_str())
-                .bind(now_us)
+                .bind(oldest_us)
                 .bind(DAY_US)
                 .execute(pool)
                 .await
@@ -222,12 +244,14 @@ impl Store {
     }
 
     /// Time of receipt before which the contacts of all fleets with an archive are archived, µs since 1970 UTC; `None` if no
-    /// fleet has one.
+    /// fleet has one. 0 if a position is beyond its horizon: a clock that was ahead began that archive, and its owner will
+    /// begin it anew.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn archived_before(&self) -> Result<Option<i64>, StoreError> {
-        const SQL: &str = "SELECT min(archived_to_us) FROM archives";
+        const SQL: &str = "SELECT min(CASE WHEN archived_to_us > coalesce(h.written_to_us, 0) THEN 0 ELSE archived_to_us END) \
+             FROM archives a LEFT JOIN archive_horizons h ON h.fleet = a.fleet";
         on!(&self.pool, |pool| sqlx::query_scalar(SQL).fetch_one(pool).await)
             .map_err(failed("read the archive's position"))
     }
@@ -240,6 +264,18 @@ impl Store {
     pub async fn last_archive(&self) -> Result<Option<(String, i64)>, StoreError> {
         const SQL: &str = "SELECT fleet, archived_to_us FROM archives ORDER BY archived_to_us, fleet LIMIT 1";
         on!(&self.pool, |pool| sqlx::query_as(SQL).fetch_optional(pool).await)
+            .map_err(failed("read the archive's position"))
+    }
+
+    /// The fleet whose archive is furthest in the future, and its position, µs since 1970 UTC: a clock was ahead. `None` if no
+    /// position is later than `now_us`.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn archive_ahead(&self, now_us: i64) -> Result<Option<(String, i64)>, StoreError> {
+        const SQL: &str = "SELECT fleet, archived_to_us FROM archives WHERE archived_to_us > $1 \
+             ORDER BY archived_to_us DESC, fleet LIMIT 1";
+        on!(&self.pool, |pool| sqlx::query_as(SQL).bind(now_us).fetch_optional(pool).await)
             .map_err(failed("read the archive's position"))
     }
 
@@ -266,13 +302,17 @@ impl Store {
         const WHAT: &str = "read the contacts to archive";
         // The two arms differ in their types only.
         macro_rules! stream {
-            ($link:expr, $database:ty, $more:literal) => {{
-                let mut sql = sqlx::QueryBuilder::<$database>::new(CONTACTS.select);
+            ($link:expr, $database:ty, $select:expr) => {{
+                let mut sql = sqlx::QueryBuilder::<$database>::new($select);
                 sql.push(" WHERE r.fleet = ").push_bind(fleet.as_str()).push(" AND c.received_us >= ");
-                sql.push_bind(span.from_us).push(" AND c.received_us < ").push_bind(span.to_us).push($more);
+                sql.push_bind(span.from_us).push(" AND c.received_us < ").push_bind(span.to_us);
                 let mut found = sql.build().persistent(false).fetch($link);
                 let mut group = Vec::new();
-                while let Some(row) = found.try_next().await.map_err(failed(WHAT))? {
+                while let Some(row) = timeout(NEXT_PATIENCE, found.try_next())
+                    .await
+                    .map_err(|_| StoreError::NoAnswer { what: WHAT, patience: NEXT_PATIENCE })?
+                    .map_err(failed(WHAT))?
+                {
                     let cells: sqlx::Result<Vec<Cell>> =
                         CONTACTS.columns.iter().map(|column| cell(&row, column)).collect();
                     let cells = Tried::of(&row, cells).map_err(failed(WHAT))?;
@@ -287,46 +327,14 @@ impl Store {
             }};
         }
         match &self.pool {
-            Either::Sqlite(pool) => stream!(
-                pool,
-                Sqlite,
-                " AND c.contact_id >= (SELECT next_contact_id FROM archives a WHERE a.fleet = r.fleet)"
-            ),
+            Either::Sqlite(pool) => stream!(pool, Sqlite, by_time()),
             Either::Postgres(_) => {
                 // A connection of its own: a large file takes longer than the limit for statements of the pool.
                 let Either::Postgres(mut link) = self.options.connect(WHAT).await? else { return Ok(()) };
                 sqlx::raw_sql("SET statement_timeout = 0").execute(&mut link).await.map_err(failed(WHAT))?;
-                stream!(&mut link, Postgres, "");
+                stream!(&mut link, Postgres, CONTACTS.select);
             }
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const MINUTE_US: i64 = 60_000_000;
-    /// `date -u -d @1795262400`: 2026-11-21 12:00:00
-    const NOON_US: i64 = 1_795_262_400_000_000;
-
-    #[test]
-    fn a_file_is_due_when_its_span_is_complete() {
-        let next =
-            |horizon_us| next_span(NOON_US, horizon_us, 10 * MINUTE_US).map(|span| (span.to_us - NOON_US) / MINUTE_US);
-        assert_eq!(next(0), None);
-        assert_eq!(next(NOON_US + 10 * MINUTE_US - 1), None);
-        assert_eq!(next(NOON_US + 10 * MINUTE_US), Some(10));
-        assert_eq!(next(NOON_US + 17 * MINUTE_US), Some(17));
-        assert_eq!(next(NOON_US + 90 * MINUTE_US), Some(60), "an archive that is behind catches up in hours");
-    }
-
-    #[test]
-    fn no_file_has_contacts_of_two_days() {
-        let midnight_us = NOON_US + DAY_US / 2;
-        let span = next_span(midnight_us - 3 * MINUTE_US, midnight_us + MINUTE_US, 10 * MINUTE_US).unwrap();
-        assert_eq!(span.to_us, midnight_us);
-        assert_eq!(next_span(midnight_us, midnight_us + MINUTE_US, 10 * MINUTE_US), None);
     }
 }

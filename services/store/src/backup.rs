@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions};
+use std::io::ErrorKind;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -136,12 +137,25 @@ fn keep(part: &Path, to: &Path) -> std::io::Result<u64> {
     let file = File::open(part)?;
     file.sync_all()?;
     let bytes = file.metadata()?.len();
-    // Unlike a rename, this fails if a file with that name has been created meanwhile.
-    std::fs::hard_link(part, to)?;
-    std::fs::remove_file(part)?;
+    name(part, to, std::fs::hard_link(part, to))?;
     let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()?;
-    Ok(bytes)
+    match File::open(folder)?.sync_all() {
+        // Some network shares synchronise no folders.
+        Err(problem) if !matches!(problem.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Err(problem),
+        _ => Ok(bytes),
+    }
+}
+
+/// Gives the copy its name, also if the attempt to `link` it failed for want of hard links, as on FAT and many network shares.
+/// Unlike a renaming alone, neither a link nor a new file ever replaces another file.
+fn name(part: &Path, to: &Path, link: std::io::Result<()>) -> std::io::Result<()> {
+    match link {
+        Err(problem) if problem.kind() != ErrorKind::AlreadyExists => {
+            File::create_new(to)?;
+            std::fs::rename(part, to)
+        }
+        linked => linked.and_then(|()| std::fs::remove_file(part)),
+    }
 }
 
 fn beside(path: &Path, ending: &str) -> PathBuf {
@@ -170,5 +184,21 @@ mod tests {
         assert!(left.is_empty(), "{left:?}");
         // The thread may add a file meanwhile.
         let _ = std::fs::remove_dir_all(&folder);
+    }
+
+    /// The whole copy was made and then removed.
+    #[test]
+    fn regress_a_disk_without_hard_links_gets_the_copy() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-backup-name-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let [part, to, other] = ["part", "to", "other"].map(|name| folder.join(name));
+        let no_links = || Err(ErrorKind::PermissionDenied.into());
+        std::fs::write(&part, b"rows").unwrap();
+        std::fs::write(&other, b"other").unwrap();
+        assert_eq!(name(&part, &other, no_links()).unwrap_err().kind(), ErrorKind::AlreadyExists);
+        name(&part, &to, no_links()).unwrap();
+        let read = |path| std::fs::read(path).unwrap();
+        assert_eq!((read(&to), read(&other), part.exists()), (b"rows".to_vec(), b"other".to_vec(), false));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

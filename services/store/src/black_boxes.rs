@@ -82,8 +82,9 @@ impl Writer {
              ON CONFLICT (robot_id, event_us) DO UPDATE SET began_us = excluded.began_us, ends_us = excluded.ends_us, \
              last_us = excluded.last_us, state = excluded.state, messages = excluded.messages, \
              left_out = excluded.left_out, has_state = excluded.has_state, bytes = excluded.bytes, body = excluded.body";
-        const LIMIT: &str = "DELETE FROM black_boxes WHERE robot_id = $1 AND event_us <= \
-             (SELECT event_us FROM black_boxes WHERE robot_id = $1 ORDER BY event_us DESC LIMIT 1 OFFSET $2)";
+        // By number: boxes of a time at which the clock was ahead are not newer.
+        const LIMIT: &str = "DELETE FROM black_boxes WHERE robot_id = $1 AND black_box_id <= \
+             (SELECT black_box_id FROM black_boxes WHERE robot_id = $1 ORDER BY black_box_id DESC LIMIT 1 OFFSET $2)";
         let model = |model: &mut dyn Model| Ok(lease.hold_in(model)?.write_black_box(lease, one)?);
         self.attempt(WHAT, PATIENCE, model, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;

@@ -7,6 +7,8 @@ mod done;
 pub(super) mod partitions;
 mod records;
 pub mod tables;
+#[cfg(test)]
+mod tests;
 
 pub use done::Done;
 
@@ -37,6 +39,12 @@ impl Default for Retention {
 const ROWS: i64 = 2000;
 /// Most black boxes that are deleted at once: each has some ten kilobytes.
 const BOXES: i64 = 100;
+
+/// SQLite's contacts and minutes before `$1`, at most `$2`.
+const OLD_CONTACTS: &str = "DELETE FROM contacts WHERE contact_id IN \
+     (SELECT contact_id FROM contacts WHERE received_us < $1 ORDER BY received_us LIMIT $2)";
+const OLD_MINUTES: &str = "DELETE FROM contact_minutes WHERE (whisker_id, start_us) IN \
+     (SELECT whisker_id, start_us FROM contact_minutes WHERE start_us < $1 ORDER BY start_us LIMIT $2)";
 
 /// Time before which rows are too old, µs since 1970 UTC; `None` for unlimited retention.
 fn kept_from(now_us: i64, days: u32) -> Option<i64> {
@@ -91,8 +99,7 @@ impl Store {
         is_more |= self.forget_boots(now_us, report).await?;
         match &self.pool {
             Either::Sqlite(_) => {
-                let more_rows =
-                    self.remove_some([contacts_us, minutes_us], now_us, report).await.map_err(failed(WHAT))?;
+                let more_rows = self.remove_some([contacts_us, minutes_us], report).await.map_err(failed(WHAT))?;
                 Ok(more_rows || is_more)
             }
             Either::Postgres(_) => {
@@ -108,26 +115,15 @@ impl Store {
         }
     }
 
-    /// Deletes the oldest rows of each table. Contacts need no index of their time: their ids rise in the order of
-    /// their recording.
-    async fn remove_some(
-        &self,
-        before: [Option<i64>; 2],
-        now_us: i64,
-        report: &mut impl FnMut(Done),
-    ) -> sqlx::Result<bool> {
-        // Contacts of a time at which the clock was ahead are no end of the old ones.
-        const CONTACTS: &str = "DELETE FROM contacts WHERE contact_id IN (SELECT contact_id FROM \
-             (SELECT contact_id, received_us FROM contacts WHERE received_us <= $3 ORDER BY contact_id LIMIT $2) c \
-             WHERE received_us < $1)";
-        const MINUTES: &str = "DELETE FROM contact_minutes WHERE (whisker_id, start_us) IN \
-             (SELECT whisker_id, start_us FROM contact_minutes WHERE start_us < $1 AND start_us <= $3 \
-             ORDER BY start_us LIMIT $2)";
+    /// Deletes the oldest rows of each table, which an index finds by their time.
+    async fn remove_some(&self, before: [Option<i64>; 2], report: &mut impl FnMut(Done)) -> sqlx::Result<bool> {
         let Either::Sqlite(pool) = &self.pool else { return Ok(false) };
         let mut is_more = false;
-        for (table, sql, before_us) in [("contacts", CONTACTS, before[0]), ("contact_minutes", MINUTES, before[1])] {
+        for (table, sql, before_us) in
+            [("contacts", OLD_CONTACTS, before[0]), ("contact_minutes", OLD_MINUTES, before[1])]
+        {
             let Some(before_us) = before_us else { continue };
-            let rows = sqlx::query(sql).bind(before_us).bind(ROWS).bind(now_us).execute(pool).await?.rows_affected();
+            let rows = sqlx::query(sql).bind(before_us).bind(ROWS).execute(pool).await?.rows_affected();
             if rows > 0 {
                 report(Done::Removed { table, rows });
             }

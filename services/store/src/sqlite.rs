@@ -122,4 +122,4 @@ async fn connect(path: &Path, name: &str, lock: Option<FileLock>) -> Result<(Poo
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

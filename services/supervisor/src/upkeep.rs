@@ -19,6 +19,9 @@ const AGAIN: Duration = Duration::from_secs(300);
 /// Pause between deletions of pieces of old rows.
 const PAUSE: Duration = Duration::from_millis(400);
 
+/// Time limit for a round: an index of a day takes hours at most. Without an answer, the server's host may have vanished.
+const LONGEST: Duration = Duration::from_secs(12 * 3600);
+
 /// An archive that is so far behind has stopped, µs: an alert tells of two hours.
 const STOPPED_US: i64 = 86_400_000_000;
 /// Part of the readiness that names an archive which has stopped.
@@ -36,7 +39,7 @@ pub(crate) async fn run(
 ) {
     loop {
         let round = look_after(&store, (retention, &hold_back), &archived, (&metrics, &readiness));
-        let pause = match store.with_leader(round).await {
+        let pause = match within(LONGEST, store.with_leader(round)).await {
             Ok(true) => PAUSE,
             Ok(false) => {
                 metrics.upkeep_timestamp_seconds.set(wall_clock().as_s());
@@ -54,6 +57,12 @@ pub(crate) async fn run(
     }
 }
 
+/// The result of a round that ends in time.
+async fn within(longest: Duration, round: impl Future<Output = Result<bool, StoreError>>) -> Result<bool, StoreError> {
+    const WHAT: &str = "look after the tables";
+    timeout(longest, round).await.unwrap_or(Err(StoreError::NoAnswer { what: WHAT, patience: longest }))
+}
+
 async fn look_after(
     store: &Store,
     (retention, hold_back): (Retention, &HoldBack),
@@ -62,7 +71,7 @@ async fn look_after(
 ) -> Result<bool, StoreError> {
     let now_us = wall_clock().0 as i64;
     store.begin_archives(archived, now_us).await?;
-    note_stopped(readiness, store.last_archive().await?, now_us);
+    note_stopped(readiness, (store.last_archive().await?, store.archive_ahead(now_us).await?), now_us);
     let mut note = |done| note_done(&done, metrics);
     store.make_partitions(now_us, &mut note).await?;
     let old_by_us = hold_back.old_by_us(now_us);
@@ -70,10 +79,20 @@ async fn look_after(
     Ok(store.forget_announced(old_by_us, &mut note).await? || is_more)
 }
 
+/// A fleet, and the position of its archive.
+type Standing = Option<(String, i64)>;
+
 /// Tells people of an archive that has stopped, as that of a fleet which no supervisor has any more: contacts of all fleets stay in
-/// the database.
-fn note_stopped(readiness: &Readiness, last: Option<(String, i64)>, now_us: i64) {
+/// the database. The position of another one is in the future if a clock was ahead.
+fn note_stopped(readiness: &Readiness, (last, ahead): (Standing, Standing), now_us: i64) {
     let stopped = last.filter(|(_, archived_us)| now_us - archived_us > STOPPED_US);
+    let early = ahead.map(|(fleet, archived_us)| {
+        format!(
+            "the archive of fleet {fleet} stands at {}, which is in the future: a clock was ahead. Correct the clocks, and start a \
+             supervisor of this fleet with archive.url (docs/archive.md, Guarantees)",
+            Time(archived_us)
+        )
+    });
     let notice = stopped.map(|(fleet, archived_us)| {
         format!(
             "the archive of fleet {fleet} stands at {}, so the contacts of all fleets since then stay in the database: start a \
@@ -81,6 +100,7 @@ fn note_stopped(readiness: &Readiness, last: Option<(String, i64)>, now_us: i64)
             Time(archived_us)
         )
     });
+    let notice = notice.or(early);
     if let Some(notice) = &notice {
         warn!("{notice}");
     }
@@ -110,12 +130,23 @@ mod tests {
     #[test]
     fn regress_an_archive_that_has_stopped_is_named_until_it_goes_on() {
         let (readiness, now_us) = (Readiness::default(), 1_800_000_000_000_000);
-        note_stopped(&readiness, Some(("gone".to_owned(), now_us - STOPPED_US - 1)), now_us);
+        note_stopped(&readiness, (Some(("gone".to_owned(), now_us - STOPPED_US - 1)), None), now_us);
         let notices = readiness.notices();
         assert!(notices[0].starts_with("the archive of fleet gone stands at 2027-01-14T07:59:59"), "{notices:?}");
-        note_stopped(&readiness, Some(("lab".to_owned(), now_us - STOPPED_US)), now_us);
+        note_stopped(&readiness, (Some(("lab".to_owned(), now_us - STOPPED_US)), None), now_us);
         assert!(readiness.notices().is_empty());
-        note_stopped(&readiness, None, now_us);
+        note_stopped(&readiness, (None, Some(("early".to_owned(), now_us + STOPPED_US))), now_us);
+        let notices = readiness.notices();
+        assert!(notices[0].starts_with("the archive of fleet early stands at 2027-01-16T08:00:00"), "{notices:?}");
+        note_stopped(&readiness, (None, None), now_us);
         assert!(readiness.notices().is_empty());
+    }
+
+    /// The host of the server vanished, and no packet came any more: there was no upkeep until a restart.
+    #[tokio::test(start_paused = true)]
+    async fn regress_a_round_without_an_answer_ends_with_an_error() {
+        let unanswered = within(LONGEST, std::future::pending()).await;
+        assert!(matches!(unanswered, Err(StoreError::NoAnswer { .. })), "{unanswered:?}");
+        assert!(within(LONGEST, std::future::ready(Ok(true))).await.unwrap());
     }
 }

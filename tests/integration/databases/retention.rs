@@ -1,6 +1,7 @@
 //! Partitions are created in time, contain the right rows, and are dropped when they are old. Old rows of other tables
 //! are deleted.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use sqlx::postgres::PgConnection;
@@ -440,6 +441,8 @@ async fn regress_old_measurements_of_compensations_in_force_go_from_postgres() {
 /// Whiskers that a layout has left out go after a day, unless they were touched.
 async fn unused_whiskers_go(database: Fresh) {
     let (mut writer, lease, numbered) = taken(&database).await;
+    // The newest whisker stays.
+    rows::numbered(&mut writer, &lease, "other").await;
     record(&mut writer, &lease, &numbered, NOON_US, 1).await;
     let change = HealthRow {
         whisker_id: numbered.whisker_ids[1],
@@ -459,9 +462,43 @@ async fn unused_whiskers_go(database: Fresh) {
         let removed = reports.iter().filter(|done| matches!(done, Done::Removed { table: "whiskers", rows: 1 }));
         assert_eq!(removed.count(), gone, "{reports:?}");
     }
-    // The touched one has its number still. SQLite gives the number of the other one, which has no row left, again.
+    // The touched one has its number still. Nobody gets the number of the other one, which has no row left.
     let again = rows::numbered(&mut writer, &lease, "r").await.whisker_ids;
     assert_eq!(again[0], numbered.whisker_ids[0]);
+    assert_ne!(again[1], numbered.whisker_ids[1]);
+}
+
+/// An owner puts a whisker on a layout again at the moment of its removal. It was removed nevertheless.
+#[tokio::test]
+async fn regress_a_whisker_that_comes_back_is_not_removed() {
+    let database = Fresh::postgres().await;
+    let (mut writer, lease, numbered) = taken(&database).await;
+    let newest = rows::numbered(&mut writer, &lease, "other").await.whisker_ids[1];
+    let mut other = link(&database).await;
+    let sql = format!("UPDATE whiskers SET position = NULL, absent_us = 1 WHERE whisker_id <> {newest}");
+    other.execute(sqlx::AssertSqlSafe(sql)).await.unwrap();
+    let mut owner = other.begin().await.unwrap();
+    let back = format!("UPDATE whiskers SET absent_us = NULL WHERE whisker_id = {}", numbered.whisker_ids[0]);
+    owner.execute(sqlx::AssertSqlSafe(back)).await.unwrap();
+    let is_over = AtomicBool::new(false);
+    let removing = async {
+        look_after(&database.store, 0, NOON_US).await;
+        is_over.store(true, Ordering::Relaxed);
+    };
+    let mut watch = link(&database).await;
+    let coming_back = async {
+        let waits = "SELECT count(*) FROM pg_stat_activity WHERE wait_event_type = 'Lock'";
+        loop {
+            let waiting: i64 = sqlx::query_scalar(waits).fetch_one(&mut watch).await.unwrap();
+            if waiting > 0 || is_over.load(Ordering::Relaxed) {
+                break owner.commit().await.unwrap();
+            }
+        }
+    };
+    tokio::join!(removing, coming_back);
+    let left = "SELECT whisker_id FROM whiskers ORDER BY whisker_id";
+    let left: Vec<i64> = sqlx::query_scalar(left).fetch_all(&mut watch).await.unwrap();
+    assert!(left.contains(&numbered.whisker_ids[0]) && !left.contains(&numbered.whisker_ids[1]), "{left:?}");
 }
 
 #[tokio::test]

@@ -12,21 +12,35 @@ use crate::{Store, StoreError, failed};
 const FORMER: &str = "SELECT boot FROM (SELECT boot, row_number() OVER (PARTITION BY robot_id ORDER BY boot DESC) AS place \
      FROM boots b WHERE first_seen_us < $1 AND \
      first_seen_us < (SELECT updated_us FROM robots r WHERE r.robot_id = b.robot_id)) p WHERE place > 4 LIMIT $2";
-/// The oldest contact that is left. Numbers rise in the order of recording.
-const OLDEST: &str = "SELECT received_us FROM contacts ORDER BY contact_id LIMIT 1";
+/// The oldest contact that is left.
+const OLDEST: &str = "SELECT min(received_us) FROM contacts";
 
 impl Store {
+    /// A time of receipt that no contact is older than, µs since 1970 UTC; none without contacts.
+    pub(crate) async fn oldest_contact(&self) -> Result<Option<i64>, StoreError> {
+        const WHAT: &str = "look for the oldest contact";
+        match &self.pool {
+            Either::Sqlite(pool) => sqlx::query_scalar(OLDEST).fetch_one(pool).await.map_err(failed(WHAT)),
+            Either::Postgres(_) => {
+                let Either::Postgres(mut link) = self.options.connect(WHAT).await? else { return Ok(None) };
+                let oldest = partitions::oldest(&mut link, &CONTACTS).await.map_err(failed(WHAT));
+                super::close(link).await;
+                oldest
+            }
+        }
+    }
+
     /// Deletes boots to which no contact and no journal refers, some thousand at once, except the newest 4 of each robot.
     /// Returns whether there may be more.
     pub(super) async fn forget_boots(&self, now_us: i64, report: &mut impl FnMut(Done)) -> Result<bool, StoreError> {
         const WHAT: &str = "delete former boots";
+        let oldest = self.oldest_contact().await?;
         // A connection of its own, which is closed: SQLite would search all contacts for each boot to check the foreign key.
         let link = self.options.connect(WHAT).await?;
         let removed = match link {
             Either::Sqlite(mut link) => {
                 let removed = async {
                     sqlx::query("PRAGMA foreign_keys = OFF").execute(&mut link).await?;
-                    let oldest: Option<i64> = sqlx::query_scalar(OLDEST).fetch_optional(&mut link).await?;
                     let sql = sqlx::AssertSqlSafe(format!("DELETE FROM boots WHERE boot IN ({FORMER})"));
                     sqlx::query(sql).bind(seen_before(oldest, now_us)).bind(ROWS).execute(&mut link).await
                 };
@@ -37,7 +51,6 @@ impl Store {
             }
             Either::Postgres(mut link) => {
                 let removed = async {
-                    let oldest = partitions::oldest(&mut link, &CONTACTS).await?;
                     let sql = sqlx::AssertSqlSafe(format!("DELETE FROM boots WHERE boot IN ({FORMER})"));
                     sqlx::query(sql).bind(seen_before(oldest, now_us)).bind(ROWS).execute(&mut link).await
                 };

@@ -8,55 +8,60 @@ use crate::Store;
 use crate::database::{Either, on};
 
 /// The oldest rows of tables whose causes are over: `$1` is the time before which they are too old, `$2` the most rows, and
-/// ROW the database's name of a row. Numbers rise in the order of recording, so no index of the time is needed.
-const RECORDS: [(&str, &str); 10] = [
+/// ROW the database's name of a row. The alarm with the highest number stays: SQLite would give the number to another one, and
+/// events and links name it. An index finds them by their time: the first numbers may be of a time at which the clock
+/// was ahead. CROSS JOIN makes SQLite begin with the few compensations.
+pub(super) const RECORDS: [(&str, &str); 10] = [
     (
         "alarms",
         "alarm_id IN (SELECT alarm_id FROM alarms WHERE raised_us < $1 AND cleared_us < $1 \
-         ORDER BY raised_us, alarm_id LIMIT $2)",
+         AND alarm_id < (SELECT max(alarm_id) FROM alarms) ORDER BY raised_us, alarm_id LIMIT $2)",
     ),
     (
         "health_changes",
-        "health_change_id IN (SELECT health_change_id FROM (SELECT health_change_id, recorded_us FROM health_changes \
-         ORDER BY health_change_id LIMIT $2) h WHERE recorded_us < $1)",
+        "health_change_id IN (SELECT health_change_id FROM health_changes WHERE recorded_us < $1 \
+         ORDER BY recorded_us LIMIT $2)",
     ),
     (
         "touch_tests",
-        "touch_test_id IN (SELECT touch_test_id FROM (SELECT touch_test_id, ended_us FROM touch_tests \
-         ORDER BY touch_test_id LIMIT $2) t WHERE ended_us < $1)",
+        "touch_test_id IN (SELECT touch_test_id FROM touch_tests WHERE ended_us < $1 ORDER BY ended_us LIMIT $2)",
     ),
     (
         "alarm_shelves",
-        "alarm_shelf_id IN (SELECT alarm_shelf_id FROM (SELECT alarm_shelf_id, until_us FROM alarm_shelves \
-         ORDER BY alarm_shelf_id LIMIT $2) s WHERE until_us < $1)",
+        "alarm_shelf_id IN (SELECT alarm_shelf_id FROM alarm_shelves WHERE until_us < $1 ORDER BY until_us LIMIT $2)",
     ),
+    // All of ended compensations, and old ones of those in force, by the robot's clock: a day more.
     (
         "compensation_responses",
-        "ROW IN (SELECT r.ROW FROM compensation_responses r JOIN compensations c ON c.compensation_id = r.compensation_id \
-         WHERE c.ended_us < $1 LIMIT $2)",
+        "ROW IN (SELECT r.ROW FROM compensations c CROSS JOIN compensation_responses r \
+         WHERE r.compensation_id = c.compensation_id \
+         AND r.t_us < CASE WHEN c.ended_us < $1 THEN 9223372036854775807 ELSE $1 - 86400000000 END LIMIT $2)",
     ),
     // The newest measurement and evaluation of each compensation stay, whose pages show them. The index of each compensation is in
-    // the order of time. Bins go before their measurements, which the database demands.
+    // the order of time. Those of a time at which the clock was ahead are not newer. Bins go before their measurements, which the
+    // database demands.
     (
         "compensation_error_bins",
-        "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c JOIN compensation_errors e \
-         ON e.compensation_id = c.compensation_id AND e.recorded_us < $1 WHERE EXISTS (SELECT 1 FROM compensation_errors n \
-         WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us) AND EXISTS (SELECT 1 \
+        "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c CROSS JOIN compensation_errors e \
+         WHERE e.compensation_id = c.compensation_id AND e.recorded_us < $1 AND EXISTS (SELECT 1 FROM compensation_errors n \
+         WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us \
+         AND n.compensation_error_id > e.compensation_error_id) AND EXISTS (SELECT 1 \
          FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
     ),
     (
         "compensation_errors",
-        "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c JOIN compensation_errors e \
-         ON e.compensation_id = c.compensation_id AND e.recorded_us < $1 WHERE EXISTS (SELECT 1 FROM compensation_errors n \
-         WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us) AND NOT EXISTS (SELECT 1 \
+        "compensation_error_id IN (SELECT e.compensation_error_id FROM compensations c CROSS JOIN compensation_errors e \
+         WHERE e.compensation_id = c.compensation_id AND e.recorded_us < $1 AND EXISTS (SELECT 1 FROM compensation_errors n \
+         WHERE n.compensation_id = e.compensation_id AND n.recorded_us > e.recorded_us \
+         AND n.compensation_error_id > e.compensation_error_id) AND NOT EXISTS (SELECT 1 \
          FROM compensation_error_bins b WHERE b.compensation_error_id = e.compensation_error_id) LIMIT $2)",
     ),
     (
         "compensation_refinements",
         "compensation_refinement_id IN (SELECT e.compensation_refinement_id FROM compensations c \
-         JOIN compensation_refinements e ON e.compensation_id = c.compensation_id AND e.recorded_us < $1 WHERE EXISTS \
+         CROSS JOIN compensation_refinements e WHERE e.compensation_id = c.compensation_id AND e.recorded_us < $1 AND EXISTS \
          (SELECT 1 FROM compensation_refinements n WHERE n.compensation_id = e.compensation_id \
-         AND n.recorded_us > e.recorded_us) LIMIT $2)",
+         AND n.recorded_us > e.recorded_us AND n.compensation_refinement_id > e.compensation_refinement_id) LIMIT $2)",
     ),
     // Setpoints of compensations in force stay. States go before their setpoints, which the database demands.
     (
@@ -92,6 +97,11 @@ const USES: [(&str, &str); 9] = [
     ("black_boxes", "whisker_id"),
 ];
 
+/// The statement that deletes rows of a table. `row` is the database's name of a row.
+pub(super) fn removal(table: &str, which: &str, row: &str) -> String {
+    format!("DELETE FROM {table} WHERE {}", which.replace("ROW", row))
+}
+
 impl Store {
     /// Deletes records that are over and too old, some thousand of each table. Returns whether there may be more.
     pub(super) async fn remove_records(
@@ -105,7 +115,7 @@ impl Store {
             Either::Postgres(_) => "ctid",
         };
         for (table, which) in RECORDS {
-            let sql = AssertSqlSafe(format!("DELETE FROM {table} WHERE {}", which.replace("ROW", row)));
+            let sql = AssertSqlSafe(removal(table, which, row));
             let rows = on!(&self.pool, |pool| sqlx::query(sql)
                 .bind(before_us)
                 .bind(ROWS)
@@ -129,8 +139,17 @@ impl Store {
     ) -> sqlx::Result<bool> {
         let unused = USES
             .map(|(table, column)| format!("AND NOT EXISTS (SELECT 1 FROM {table} u WHERE u.{column} = w.whisker_id)"));
+        // SQLite gives the highest number again if its row is removed, but events still name the whisker or the alarm.
+        const NEWEST: &str = "AND whisker_id < (SELECT max(whisker_id) FROM whiskers) AND NOT EXISTS (SELECT 1 FROM alarms a \
+             WHERE a.whisker_id = w.whisker_id AND a.alarm_id = (SELECT max(alarm_id) FROM alarms))";
+        // An owner may be putting a whisker on a layout again: its row stays.
+        let free = match &self.pool {
+            Either::Sqlite(_) => "",
+            Either::Postgres(_) => "FOR UPDATE OF w SKIP LOCKED",
+        };
         let absent = AssertSqlSafe(format!(
-            "SELECT whisker_id FROM whiskers w WHERE absent_us < $1 AND position IS NULL {} ORDER BY absent_us LIMIT $2",
+            "SELECT whisker_id FROM whiskers w WHERE absent_us < $1 AND position IS NULL {} {NEWEST} ORDER BY absent_us LIMIT $2 \
+             {free}",
             unused.join(" ")
         ));
         let mut tx = self.pool.begin().await?;

@@ -6,17 +6,17 @@ use crate::{DatabaseAddress, Store, StoreError};
 type Change = fn(&mut Vec<u8>);
 
 /// A folder that is removed at the end.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let name = vibrissa_host::random::hex();
         let folder = std::env::temp_dir().join(format!("vibrissa-sqlite-{name}"));
         std::fs::create_dir_all(&folder).unwrap();
         Self(folder)
     }
 
-    fn file(&self) -> PathBuf {
+    pub(crate) fn file(&self) -> PathBuf {
         self.0.join("v.sqlite3")
     }
 

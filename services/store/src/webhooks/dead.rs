@@ -121,7 +121,7 @@ pub(super) async fn forget(tx: &mut Tx<'_>, job: &Job) -> sqlx::Result<()> {
     Ok(())
 }
 
-/// Makes an event a dead letter. The oldest ones beyond the limit are deleted, and counted as lost.
+/// Makes an event a dead letter. Those of the oldest events beyond the limit are deleted, and counted as lost.
 pub(super) async fn bury(
     tx: &mut Tx<'_>,
     (job, event): (&Job, &StoredEvent),
@@ -143,17 +143,22 @@ pub(super) async fn bury(
         .execute(&mut **tx)
         .await
         .map(drop))?;
+    keep_newest(tx, job.webhook.webhook_id).await
+}
+
+/// Deletes the dead letters of a target beyond the limit. Those of the oldest events go, by number: the clock may have been ahead.
+pub(super) async fn keep_newest(tx: &mut Tx<'_>, webhook_id: i64) -> sqlx::Result<()> {
     let old = format!(
         "DELETE FROM webhook_dead_letters WHERE webhook_id = $1 AND event_id IN (SELECT event_id FROM webhook_dead_letters \
-         WHERE webhook_id = $1 ORDER BY dead_us DESC, event_id DESC LIMIT {DEAD_LETTERS_MAX} OFFSET {DEAD_LETTERS_MAX})"
+         WHERE webhook_id = $1 ORDER BY event_id DESC LIMIT {DEAD_LETTERS_MAX} OFFSET {DEAD_LETTERS_MAX})"
     );
     let lost = on!(&mut *tx, |tx| sqlx::query(AssertSqlSafe(old))
-        .bind(job.webhook.webhook_id)
+        .bind(webhook_id)
         .execute(&mut **tx)
         .await
         .map(|done| done.rows_affected()))?;
     if lost > 0 {
-        lose(tx, job.webhook.webhook_id, lost as i64).await?;
+        lose(tx, webhook_id, lost as i64).await?;
     }
     Ok(())
 }

@@ -7,6 +7,8 @@ pub mod dead;
 mod job;
 pub mod manage;
 pub mod queue;
+#[cfg(test)]
+mod tests;
 pub mod upkeep;
 
 use vibrissa_edge::clock::wall_clock;

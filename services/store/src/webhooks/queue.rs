@@ -3,7 +3,7 @@
 //! A supervisor that delivers to a target holds it: no other one does until it lets go, or until its time is up. That time
 //! is measured by the monotonic clock of the other one, see `lease_watch`: the database's clock may be stepped. The result
 //! of an attempt counts only if the supervisor still holds the target. If the last attempt is in the future, the database's clock
-//! was stepped back, and the pause after it is over.
+//! was stepped back, and the pause after it is over. So is the wait of a mail that has no failed attempt and waits longer than any.
 
 use std::sync::PoisonError;
 use std::time::Duration;
@@ -92,6 +92,9 @@ pub struct Queue {
     pub dead: i64,
 }
 
+/// Condition for targets whose pause is over at `$1`. A mail that has not failed waits for 10 minutes at most, not an
+/// hour: `mail.per_hour_max`.
+const IS_TIME: &str = "(next_us <= $1 OR last_us > $1 OR (streak = 0 AND next_us > $1 + 3600000000))";
 /// Most events that one mail tells.
 const MAIL_EVENTS_MAX: usize = 500;
 
@@ -124,7 +127,7 @@ impl Store {
         }
         let now_us = now_us_of(&self.pool).await.map_err(failed(WHAT))?;
         let sql = format!(
-            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND (next_us <= $1 OR last_us > $1) AND (EXISTS (SELECT 1 FROM events e WHERE e.audience = 'PEOPLE' AND (e.tx, e.event_id) > (h.done_tx, h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
+            "SELECT webhook_id, holder, held_until_us FROM webhooks h WHERE enabled AND {IS_TIME} AND (EXISTS (SELECT 1 FROM events e WHERE e.audience = 'PEOPLE' AND (e.tx, e.event_id) > (h.done_tx, h.done_event) {}) OR EXISTS (SELECT 1 FROM webhook_dead_letters d WHERE d.webhook_id = h.webhook_id AND d.again))",
             settled(&self.pool)
         );
         let due: Vec<Due> =
@@ -273,13 +276,15 @@ async fn take(
     holding: &Holding<'_>,
     set_aside: &SetAside,
 ) -> sqlx::Result<Option<Job>> {
-    const HOLD: &str = "UPDATE webhooks SET holder = $2, held_until_us = $3 + $4 \
-         WHERE webhook_id = $1 AND enabled AND (next_us <= $3 OR last_us > $3) AND (holder = $2 OR held_until_us IN (0, $5))";
+    let hold = format!(
+        "UPDATE webhooks SET holder = $3, held_until_us = $1 + $4 \
+         WHERE webhook_id = $2 AND enabled AND {IS_TIME} AND (holder = $3 OR held_until_us IN (0, $5))"
+    );
     let now_us = now_us(tx).await?;
-    let held = on!(&mut *tx, |tx| sqlx::query(HOLD)
+    let held = on!(&mut *tx, |tx| sqlx::query(AssertSqlSafe(hold))
+        .bind(now_us)
         .bind(webhook_id)
         .bind(holding.holder)
-        .bind(now_us)
         .bind(holding.hold_us)
         .bind(holding.seen)
         .execute(&mut **tx)
