@@ -11,7 +11,7 @@ const HOUR_US: i64 = 3_600_000_000;
 
 /// Sets a daily window of an hour, so many hours from now.
 async fn set(served: &Served, fleet: &str, reason: &str, hours: i64, key: &str) -> Answer {
-    let from_us = now_us() + hours * HOUR_US;
+    let from_us = now_us() as i64 + hours * HOUR_US;
     let body = json!({ "fleet": fleet, "from": Time(from_us), "until": Time(from_us + HOUR_US), "repeats": "DAILY",
                        "reason": reason });
     post(served, &body, key).await
@@ -25,7 +25,7 @@ async fn post(served: &Served, body: &Value, key: &str) -> Answer {
 async fn regress_a_repeated_request_for_maintenance_has_its_own_window() {
     let served = Served::sqlite().await;
     let body = |hours: i64| {
-        let from_us = now_us() + hours * HOUR_US;
+        let from_us = now_us() as i64 + hours * HOUR_US;
         json!({ "fleet": "f", "from": Time(from_us), "until": Time(from_us + HOUR_US), "repeats": "DAILY",
                 "reason": "cleaning" })
     };

@@ -18,6 +18,7 @@ use vibrissa_store::DatabaseAddress;
 use vibrissa_supervisor::http::access::AccessOptions;
 use vibrissa_supervisor::http::access::OidcOptions;
 use vibrissa_supervisor::http::access::SignInOptions;
+use vibrissa_supervisor::http::streams::StreamOptions;
 use vibrissa_tests::jwt::{header, signed};
 use vibrissa_tests::wait::until_true;
 use vibrissa_tests::web::{Answer, ask};
@@ -382,8 +383,10 @@ async fn regress_a_renewal_outlives_its_request() {
 #[tokio::test]
 async fn regress_two_supervisors_renew_a_session_at_the_same_time() {
     let provider = Provider::start().await;
-    let served = provider.served().await;
-    let (other, _stop) = served.another(&provider.access(PUBLIC_URL)).await;
+    let access = provider.access(PUBLIC_URL);
+    // A database in a file has one supervisor.
+    let served = Served::streaming_from_postgres(&access, StreamOptions::default()).await;
+    let (other, _stop) = served.another(&access).await;
     let session = due(&provider, &served).await;
     // It knows the provider's keys, as the first one does.
     let bearer = format!("Bearer {}", provider.access_token(&json!({})));

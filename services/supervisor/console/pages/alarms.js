@@ -83,7 +83,7 @@ export default {
 async function linkedOf({ alarm_id: id }) {
   if (!id || !has("GET", "/v1/alarms/{}")) return null;
   return get(api.alarm(id)).catch((problem) => {
-    if (problem.status !== 404) throw problem;
+    if (![404, 422].includes(problem.status)) throw problem;
     return { alarm_id: id, isUnknown: true };
   });
 }
