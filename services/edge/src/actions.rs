@@ -258,7 +258,7 @@ macro_rules! policy_change {
             fn try_from(parameters: PolicyParameters) -> Result<Self, ActionError> {
                 let wrong = |name, range| ActionError::Value { name, range };
                 let mode = named(&parameters.mode).ok_or(wrong("mode", "AUTOMATIC or ADVISE"))?;
-                let objective = parameters.objective.map(|word| named(&word).ok_or(wrong("objective", "TIP or MEAN")));
+                let objective = parameters.objective.map(|word| named(&word).ok_or(wrong("objective", "TIP, MEAN or SHAPE")));
                 let longer = parameters.longer_for_shorter.map(|word| {
                     named(&word).ok_or(wrong("longer_for_shorter", "NEVER, LAST_RESORT or ALLOWED"))
                 });
@@ -459,7 +459,7 @@ mod tests {
             ("REPLACED", "{}".to_owned(), Subject::default(), "a whisker"),
             ("APPROVE", "{}".to_owned(), WHISKER, "a compensation"),
             ("POLICY", r#"{"mode": "ADVISE"}"#.to_owned(), Subject::default(), "expected_version"),
-            ("POLICY", policy(r#", "objective": "BEST""#), Subject::default(), "TIP or MEAN"),
+            ("POLICY", policy(r#", "objective": "BEST""#), Subject::default(), "TIP, MEAN or SHAPE"),
             ("POLICY", policy(r#", "own_role_cost": 10.5"#), Subject::default(), "own_role_cost"),
             ("POLICY", policy(r#", "change_margin": -1"#), Subject::default(), "change_margin"),
             ("POLICY", policy(""), WHISKER, "a whole fleet"),

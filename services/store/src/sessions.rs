@@ -69,27 +69,41 @@ impl Store {
             .map_err(failed("read a session"))
     }
 
-    /// Replaces the tokens of a session.
+    /// Replaces the tokens of a session, unless others have replaced the old ones. Returns whether it has.
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn reseal_session(&self, session_id: &[u8], sealed: &[u8]) -> Result<(), StoreError> {
-        const SQL: &str = "UPDATE console_sessions SET sealed = $2 WHERE session_id = $1";
-        on!(&self.pool, |pool| sqlx::query(SQL).bind(session_id).bind(sealed).execute(pool).await.map(drop))
-            .map_err(failed("renew a session"))
+    pub async fn reseal_session(&self, session_id: &[u8], old: &[u8], sealed: &[u8]) -> Result<bool, StoreError> {
+        const SQL: &str = "UPDATE console_sessions SET sealed = $3 WHERE session_id = $1 AND sealed = $2";
+        on!(&self.pool, |pool| sqlx::query(SQL)
+            .bind(session_id)
+            .bind(old)
+            .bind(sealed)
+            .execute(pool)
+            .await
+            .map(|done| done.rows_affected() > 0))
+        .map_err(failed("renew a session"))
     }
 
-    /// Ends a session. A sign-out is recorded in the audit log.
+    /// Ends a session that the provider does not continue, unless others have replaced its tokens.
     ///
     /// # Errors
     /// The database cannot be written.
-    pub async fn end_session(&self, session_id: &[u8], action: Option<&NewAction>) -> Result<(), StoreError> {
+    pub async fn end_refused_session(&self, session_id: &[u8], sealed: &[u8]) -> Result<(), StoreError> {
+        const SQL: &str = "DELETE FROM console_sessions WHERE session_id = $1 AND sealed = $2";
+        on!(&self.pool, |pool| sqlx::query(SQL).bind(session_id).bind(sealed).execute(pool).await.map(drop))
+            .map_err(failed("end a session"))
+    }
+
+    /// Ends a session, and records the sign-out in the audit log.
+    ///
+    /// # Errors
+    /// The database cannot be written.
+    pub async fn end_session(&self, session_id: &[u8], action: &NewAction) -> Result<(), StoreError> {
         const WHAT: &str = "end a session";
         const SQL: &str = "DELETE FROM console_sessions WHERE session_id = $1";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
-        if let Some(action) = action {
-            record_done(&mut tx, action, action.asked_us).await?;
-        }
+        record_done(&mut tx, action, action.asked_us).await?;
         on!(&mut tx, |tx| sqlx::query(SQL).bind(session_id).execute(&mut **tx).await.map(drop))
             .map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))

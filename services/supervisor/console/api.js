@@ -4,14 +4,25 @@ import { token } from "./session.js";
 
 /** An error of the API, or the reason why it could not be reached. */
 export class Problem extends Error {
-  constructor({ status = 0, title = "", detail = "", request_id = null, errors = [] }) {
+  constructor({ status = 0, type = "", title = "", detail = "", request_id = null, errors = [] }) {
     super(detail || title || `the service answered ${status}`);
-    Object.assign(this, { status, title, requestId: request_id, errors });
+    Object.assign(this, { status, type, title, requestId: request_id, errors });
   }
 
   /** Whether there was no answer. */
   get isSilence() {
     return this.status === 0;
+  }
+
+  /** Whether the same request may get another answer soon: the service or a proxy before it cannot answer now. */
+  get isPassing() {
+    return this.status === 429 || this.status >= 500;
+  }
+
+  /** Whether the service has decided about the request: the same one with the same key gets the same answer. */
+  get isFinal() {
+    const isRefusal = this.status >= 400 && this.status < 500 && ![401, 408, 429].includes(this.status);
+    return isRefusal || this.type.endsWith("/problems/not-supervised");
   }
 }
 

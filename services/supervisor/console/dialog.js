@@ -3,7 +3,7 @@
 import { ask, get, has, Problem } from "./api.js";
 import { h } from "./dom.js";
 import { follower } from "./follow.js";
-import { notice, problemPanel, report } from "./notices.js";
+import { problemPanel, report } from "./notices.js";
 import { refusal } from "./rights.js";
 
 /** Time for which a pending action is polled. */
@@ -24,7 +24,7 @@ export function actionButton(action, done, words = action.button) {
       class: action.grave ? "grave" : null,
       "aria-disabled": reason ? "true" : null,
       title: reason,
-      onclick: () => (reason ? notice(reason) : open(action, done)),
+      onclick: () => (reason ? report()(reason, "warn", true) : open(action, done)),
     },
     `${words} \u2026`,
   );
@@ -37,7 +37,7 @@ async function open(action, done) {
     // The user may have left the page meanwhile: its dialog would appear on another one.
     if (location.hash === address) confirm(complete, done);
   } catch (problem) {
-    notice(problem.message);
+    report()(problem.message, "bad", true);
   }
 }
 
@@ -51,7 +51,7 @@ async function open(action, done) {
  */
 function confirm(action, done) {
   const answer = h("div", { class: "answer", role: "alert" });
-  const key = keys();
+  const keyed = keys();
   const submit = async (event) => {
     event.preventDefault();
     const button = dialog.querySelector("button[type=submit]");
@@ -62,7 +62,7 @@ function confirm(action, done) {
       const follow = action.moves ? await follower(action.moves) : null;
       const values = Object.fromEntries(new FormData(event.target));
       const path = action.pathOf?.(values) ?? action.path;
-      const { isDone, told } = await carryOut({ ...action, path }, action.body(values), key);
+      const { isDone, told } = await carryOut({ ...action, path }, action.body(values), keyed);
       dialog.close();
       tellResult(action, isDone, follow ?? (action.progress && ((say) => action.progress(told, say))));
       done();
@@ -152,27 +152,37 @@ export function tell(title, ...content) {
   dialog.showModal();
 }
 
-/** A repeated request keeps its key, so that it is executed once; a changed one gets a new key. */
-function keys() {
+/**
+ * Sends requests with keys: a repeated request keeps its key, so that it is executed once. A changed one gets a new key, and so
+ * does one after a final answer, which the service would repeat for its key.
+ */
+export function keys() {
   let [said, key] = [null, null];
-  return (body) => {
-    const text = JSON.stringify(body);
+  return async (request, send) => {
+    const text = JSON.stringify(request);
     if (text !== said)
       [said, key] = [
         text,
         Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join(""),
       ];
-    return key;
+    try {
+      return await send({ "Idempotency-Key": key });
+    } catch (problem) {
+      if (problem.isFinal) said = null;
+      throw problem;
+    }
   };
 }
 
 /** Sends the action; returns the answer, and whether it was executed or is still pending. */
-async function carryOut(action, body, key) {
-  const headers = { ...action.headers, "Idempotency-Key": key(body) };
-  const answer = await ask(action.path, { method: action.method ?? "POST", headers, body });
-  const told = await answer.json().catch(() => ({}));
-  if (action.after) action.after(told);
-  return { told, isDone: told.state !== "PENDING" || (await isSettled(told)) };
+function carryOut(action, body, keyed) {
+  return keyed([action.path, body], async (key) => {
+    const headers = { ...action.headers, ...key };
+    const answer = await ask(action.path, { method: action.method ?? "POST", headers, body });
+    const told = await answer.json().catch(() => ({}));
+    if (action.after) action.after(told);
+    return { told, isDone: told.state !== "PENDING" || (await isSettled(told)) };
+  });
 }
 
 /** Polls the action: the fleet's supervisor executes it, which may not be the one that answers. */
@@ -183,7 +193,7 @@ async function isSettled(told) {
     const now = await get(`/v1/actions/${encodeURIComponent(told.action_id)}`);
     if (now.state === "DONE") return true;
     if (now.state !== "PENDING")
-      throw new Problem({ detail: now.problem ?? `Not done: ${now.state.toLowerCase()}.` });
+      throw new Problem({ status: 409, detail: now.problem ?? `Not done: ${now.state.toLowerCase()}.` });
   }
   return false;
 }

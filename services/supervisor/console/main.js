@@ -6,7 +6,7 @@ import { h, morphChildren } from "./dom.js";
 import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { navigation, startMenu } from "./menu.js";
-import { problemPanel } from "./notices.js";
+import { problemPanel, report } from "./notices.js";
 import { heard, startNotifications } from "./notify.js";
 import { openAlarms } from "./parts/alarm-count.js";
 import { badge, forget, identify, isKnown, isSession } from "./rights.js";
@@ -62,7 +62,9 @@ async function show(isNavigation) {
   try {
     await Promise.all([learn(), identify()]);
     const [data, open] = await Promise.all([page.load(parts, state), openAlarms()]);
-    alarms = open;
+    // One failed answer does not mean that there are none.
+    alarms = open ?? alarms;
+    upToDate();
     content = page.view(data, parts, refresh);
     live.told(true);
   } catch (problem) {
@@ -81,9 +83,23 @@ async function failed(problem, isNavigation) {
     return signInForm(problem, { isOffered: await offersSignIn(), wasKnown }, start);
   }
   if (problem.status === undefined) console.error(problem);
-  // Keep the view while the service does not answer: the connection's state is shown.
+  // Keep the view while the service does not answer: the connection's state is shown. It may hold what somebody types.
   if (!isNavigation && problem.isSilence) return null;
+  if (!isNavigation && problem.isPassing) return outdated(problem);
   return [h("h1", { tabindex: "-1" }, "Cannot show this page"), problemPanel(problem, () => show(true))];
+}
+
+/** The message that the view is outdated, while it is. */
+let outdatedNotice = null;
+
+function outdated(problem) {
+  outdatedNotice ??= report();
+  outdatedNotice(`The page may be outdated: ${problem.message}`, "warn", false);
+}
+
+function upToDate() {
+  outdatedNotice?.("The page is up to date again.", "good", true);
+  outdatedNotice = null;
 }
 
 /** Shows the menu of an address with the number of open alarms. */
@@ -134,6 +150,7 @@ async function refresh() {
 
 async function start() {
   forget();
+  alarms = null;
   await show(true);
   live.start();
   if (isKnown()) offerTour();
@@ -142,7 +159,13 @@ async function start() {
 const pageOf = (url) => pathOf(new URL(url).hash);
 
 document.getElementById("sign-out").addEventListener("click", async () => {
-  const place = await signOut(isSession());
+  let place;
+  try {
+    place = await signOut(isSession());
+  } catch (problem) {
+    report()(`You are still signed in: ${problem.message}. Sign out again.`, "bad", true);
+    return;
+  }
   document.getElementById("notices").replaceChildren();
   document.querySelector("dialog")?.close();
   // Otherwise the next person at this browser would be signed in again without a password.

@@ -11,12 +11,14 @@ export function token() {
   return sessionStorage.getItem(KEY);
 }
 
-/** Deletes the token, or ends the session; returns where to sign out at the identity provider, if there. */
+/** Deletes the token, or ends the session; returns where to sign out at the identity provider, if there. Throws if it stands. */
 export async function signOut(isSession) {
   sessionStorage.removeItem(KEY);
   if (!isSession) return null;
   const answer = await fetch("auth/sign-out", { method: "POST", cache: "no-store" }).catch(() => null);
-  return answer?.ok ? (await answer.json()).end_session_url : null;
+  const told = await answer?.json().catch(() => null);
+  if (!answer?.ok) throw new Error(told?.detail ?? "the service does not answer");
+  return told?.end_session_url;
 }
 
 /** Whether the service offers the sign-in with an identity provider. */

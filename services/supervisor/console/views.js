@@ -5,6 +5,10 @@ import { h } from "./dom.js";
 
 const KEY = "vibrissa-views";
 const VIEWS_MAX = 50;
+const FULL = `This browser keeps ${VIEWS_MAX} views of all pages: delete one first.`;
+
+/** Each page has names of its own. */
+const isSame = (one, other) => one.name === other.name && pathOf(one.address) === pathOf(other.address);
 
 /** All saved views: `[{ name, address }]`. Contents that this page did not write are ignored. */
 function read() {
@@ -35,9 +39,12 @@ export function savedViews() {
     const field = event.target.closest("details").querySelector("input");
     const name = field.value.trim();
     if (!name) return field.focus();
-    field.value = "";
     const shown = event.target.closest("details").querySelector("ul");
-    write([...read().filter((one) => one.name !== name), { name, address: location.hash }].slice(-VIEWS_MAX), shown);
+    const view = { name, address: location.hash };
+    const others = read().filter((one) => !isSame(one, view));
+    if (others.length >= VIEWS_MAX) return shown.replaceChildren(...items(shown), h("li", { class: "hint" }, FULL));
+    field.value = "";
+    write([...others, view], shown);
   };
   const onEnter = (event) => {
     if (event.key !== "Enter") return;
@@ -60,7 +67,7 @@ function items(list) {
   return here.map(({ name, address }) => {
     const remove = (event) =>
       write(
-        read().filter((one) => one.name !== name),
+        read().filter((one) => !isSame(one, { name, address })),
         event.target.closest("ul") ?? list,
       );
     return h(

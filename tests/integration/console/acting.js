@@ -7,6 +7,7 @@ const WHISKER = "/v1/fleets/{fleet}/robots/{robot}/arrays/{array}/whiskers/{whis
 window.fetch = async (path, options = {}) => {
   if (options.method === "POST") {
     window.sent.push({ path, body: JSON.parse(options.body), key: options.headers["Idempotency-Key"] });
+    if (!window.answer) throw new TypeError("no answer");
     return new Response(JSON.stringify(window.answer.body), {
       status: window.answer.status,
       headers: { "X-Request-Id": "request-7" },

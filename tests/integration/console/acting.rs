@@ -78,7 +78,7 @@ async fn what_is_out_of_range_is_not_sent() {
 }
 
 #[tokio::test]
-async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_key() {
+async fn regress_a_refused_request_gets_a_new_key_and_one_without_an_answer_keeps_it() {
     let mut stage = before_a_whisker().await;
     let problem =
         json!({ "status": 409, "title": "Not possible in the current state", "detail": "the robot is offline" });
@@ -92,12 +92,24 @@ async fn a_refusal_is_told_in_the_services_words_and_the_same_request_keeps_its_
     assert!(stage.browser.js(&alert).await.as_str().unwrap().contains("request-7"));
     stage.browser.js(&format!("{DIALOG}.querySelector('[role=alert]').replaceChildren(); {send}")).await;
     stage.browser.until("the problem is shown again", &format!("{alert}.includes('the robot is offline')")).await;
+    for answer in [Value::Null, json!({ "status": 503, "body": {} })] {
+        stage
+            .browser
+            .js(&format!("window.answer = {answer}; {DIALOG}.querySelector('[role=alert]').replaceChildren()"))
+            .await;
+        stage.browser.js(send).await;
+        stage.browser.until("the problem is shown", &format!("{alert}.includes('answer')")).await;
+    }
+    stage.browser.js(&format!("{DIALOG}.querySelector('[role=alert]').replaceChildren(); {send}")).await;
+    stage.browser.until("it is shown again", &format!("{alert}.includes('answer')")).await;
     stage.browser.js(&format!("document.querySelector('dialog textarea').value = ''; {send}")).await;
-    stage.browser.until("another request", "window.sent.length === 3").await;
+    stage.browser.until("another request", "window.sent.length === 6").await;
     let sent = sent(&mut stage).await;
     assert_eq!(sent[0]["body"], json!({ "reason": "a look at it" }));
-    assert_eq!(sent[0]["key"], sent[1]["key"]);
-    assert_ne!(sent[0]["key"], sent[2]["key"]);
+    let keys: Vec<&Value> = sent.iter().map(|one| &one["key"]).collect();
+    // The service would repeat its refusal for the key.
+    assert!(keys[0] != keys[1] && keys[1] != keys[2], "{keys:?}");
+    assert!(keys[2] == keys[3] && keys[3] == keys[4] && keys[4] != keys[5], "{keys:?}");
     stage.stop().await;
 }
 

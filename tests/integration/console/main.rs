@@ -12,6 +12,7 @@ mod charts;
 mod checks;
 mod counted;
 mod design;
+mod failing;
 mod following;
 mod incidents;
 mod interface;

@@ -18,6 +18,7 @@ mod groups;
 mod history;
 mod items;
 mod labels;
+mod maintenance;
 mod notes;
 mod oidc;
 mod overview;

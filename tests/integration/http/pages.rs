@@ -115,6 +115,14 @@ async fn filters_keep_what_they_name_on_postgres() {
     filters_keep_what_they_name(&Served::postgres().await).await;
 }
 
+#[tokio::test]
+async fn regress_whiskers_are_found_by_their_model() {
+    let served = Served::sqlite().await;
+    let whiskers = served.items("/v1/whiskers?limit=1000").await;
+    assert_eq!(served.items("/v1/whiskers?limit=1000&model=nguyen-2021").await, whiskers);
+    assert_eq!(served.items("/v1/whiskers?model=nguyen").await, Vec::<Value>::new());
+}
+
 /// Counts of fleets, robots and arrays agree with the lists of whiskers and alarms.
 #[tokio::test]
 async fn brute_force_counts_are_those_of_the_lists() {

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
+use vibrissa_core::rollout::place;
 use vibrissa_protocol::Name;
+use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::batch::Record;
 use vibrissa_store::rollouts::{Compared, RolloutChange, RolloutEvent, RolloutRow};
-use vibrissa_store::{Batch, Supervisor};
+use vibrissa_store::{Batch, Lease, Supervisor, Writer};
 use vibrissa_tests::actions::policy_body;
 use vibrissa_tests::web::send;
 
@@ -49,7 +51,8 @@ async fn means(served: &Served) -> BTreeMap<String, f64> {
     errors.into_iter().map(|(robot, values)| (robot, values.iter().sum::<f64>() / values.len() as f64)).collect()
 }
 
-async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
+/// The owner of the fleet k, which has two robots.
+async fn owner(served: &Served) -> (Writer, Lease) {
     let fleet = Name::new("k").unwrap();
     let supervisor = Supervisor {
         id: "k".into(),
@@ -61,6 +64,21 @@ async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
     writer.sign_in(&supervisor, &[]).await.unwrap();
     let lease = writer.acquire(&supervisor, &fleet).await.unwrap().unwrap();
     rows::robots(&mut writer, &lease).await;
+    (writer, lease)
+}
+
+async fn write(
+    (writer, lease): &mut (Writer, Lease),
+    row: RolloutRow,
+    event: Option<RolloutEvent>,
+) -> Option<RolloutRow> {
+    let records = vec![Record::Rollout(Box::new(RolloutChange { row, event }))];
+    writer.commit(lease, &Batch { records, ..Batch::default() }).await.unwrap();
+    writer.open_rollout(lease).await.unwrap()
+}
+
+async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
+    let mut owner = owner(served).await;
     let body = json!({ "policy": policy_body(&vibrissa_core::policy::PolicyParams::default()), "reason": "try it" });
     // Nothing owns the fleet here, so the action expires or stays pending; its row is what the roll-out refers to.
     let begun = send(served.http, "POST", "/v1/fleets/k/rollouts", &[], Some(&body)).await.unwrap();
@@ -70,11 +88,7 @@ async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
     assert_eq!(begun["parameters"]["change"]["expected_version"], 0);
     let id = begun["action_id"].as_i64().unwrap();
 
-    let mut write = async |row: RolloutRow, event: Option<RolloutEvent>| {
-        let records = vec![Record::Rollout(Box::new(RolloutChange { row, event }))];
-        writer.commit(&lease, &Batch { records, ..Batch::default() }).await.unwrap();
-        writer.open_rollout(&lease).await.unwrap()
-    };
+    let mut write = async |row, event| write(&mut owner, row, event).await;
     assert_eq!(write(row(id), event("STARTED", "try it")).await, Some(row(id)));
     let compared = Compared {
         probability: Some(0.25),
@@ -100,7 +114,7 @@ async fn a_roll_out_is_written_read_compared_and_listed(served: &Served) {
     );
     assert_eq!(served.items("/v1/rollouts?state=RUNNING").await, Vec::<Value>::new());
 
-    let mut read = served.store.writer();
+    let (mut read, lease) = (served.store.writer(), owner.1);
     let errors = read.errors_since(&lease, 0).await.unwrap();
     let expected = means(served).await;
     assert!(expected.len() == 2 && errors.len() == 2, "{expected:?} {errors:?}");
@@ -138,4 +152,51 @@ async fn a_roll_out_that_is_not_valid_is_refused() {
     let answer = send(served.http, "POST", "/v1/fleets/f/rollouts", &[], Some(&calibration)).await.unwrap();
     assert_eq!(answer.status, 404);
     assert_eq!(send(served.http, "POST", "/v1/rollouts/7/pause", &[], None).await.unwrap().status, 404);
+}
+
+/// Strain of a whisker by the model, 1/mm, at each contact ratio.
+async fn modelled(served: &Served, robot: &str) -> Vec<Value> {
+    let model = served.json(&format!("/v1/fleets/k/robots/{robot}/arrays/left/whiskers/0/model")).await;
+    model["by_ratio"].as_array().unwrap().iter().map(|one| one["model_per_mm"].clone()).collect()
+}
+
+#[tokio::test]
+async fn regress_a_robot_is_told_by_the_calibration_that_a_roll_out_gave_it() {
+    let served = Served::sqlite().await;
+    let mut owner = owner(&served).await;
+    let before = (modelled(&served, "r1").await, modelled(&served, "r2").await);
+    assert_eq!(before.0, before.1);
+    let action = NewAction {
+        fleet: Some("k".to_owned()),
+        robot: None,
+        array: None,
+        whisker: None,
+        compensation_id: None,
+        alarm_id: None,
+        kind: "ROLLOUT_START".to_owned(),
+        parameters: "{}".to_owned(),
+        reason: None,
+        actor: "ann".to_owned(),
+        role: "ENGINEER".to_owned(),
+        request_id: "r".to_owned(),
+        idempotency_key: None,
+        asked_us: rows::START_US,
+        expires_us: rows::START_US,
+    };
+    let Asked::New(rollout_id) = served.store.ask(&action).await.unwrap() else { panic!("a new action") };
+    let [first, second] = ["r1", "r2"].map(|robot| place(rollout_id as u64, robot));
+    let (changed, unchanged) = if first < second { ("r1", "r2") } else { ("r2", "r1") };
+    let calibration = json!({ "name": "nguyen-2021", "c": 0.9, "a": 1.6234, "b_per_mpa": 9.3977,
+                              "youngs_modulus_mpa": 1.1134, "elongation_gain_mm": 8.6766 });
+    let running = RolloutRow {
+        kind: "CALIBRATION".to_owned(),
+        change: json!({ "calibration_id": 1, "calibration": calibration }).to_string(),
+        place_max: i64::from(first.min(second)),
+        ..row(rollout_id)
+    };
+    write(&mut owner, running.clone(), event("STARTED", "")).await;
+    assert_ne!(modelled(&served, changed).await, before.0);
+    assert_eq!(modelled(&served, unchanged).await, before.0);
+    write(&mut owner, RolloutRow { state: "ROLLED_BACK".to_owned(), ..running }, event("ROLLED_BACK", "worse")).await;
+    assert_eq!(modelled(&served, changed).await, before.0);
 }

@@ -88,18 +88,14 @@ impl Served {
         let store = Store::open(&address, "test").await.unwrap();
         store.prepare().await.unwrap();
         let written = rows::write(&store).await;
-        let (stop, stopped) = watch::channel(false);
-        let (metrics, params) = (Metrics::new(false).unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
-        let public_url = access.oidc.as_ref().and_then(|oidc| oidc.sign_in.as_ref()).map(|sign_in| &sign_in.public_url);
-        let base_path = public_url
-            .map_or_else(String::new, |url| url.parse::<url::Url>().unwrap().path().trim_end_matches('/').to_owned());
-        let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
-        let (readiness, action_notifier) = (Readiness::default(), ActionNotifier::default());
-        let app = App::new(store.clone(), metrics, readiness, access, action_notifier, params, stopped.clone());
-        let app = app.with_streams(streams);
-        let options = HttpOptions { base_path, ..([127, 0, 0, 1], 0).into() };
-        let http = serve(&options, app, stopped).await.unwrap().address;
+        let (http, stop) = listen(&store, access, streams).await;
         Self { store, http, url, database: address, written, _stop: stop, _server: server, _folder: folder }
+    }
+
+    /// Another server of the same database. It stops with the sender.
+    pub(crate) async fn another(&self, access: &AccessOptions) -> (SocketAddr, watch::Sender<bool>) {
+        let store = Store::open(&self.database, "another").await.unwrap();
+        listen(&store, access, StreamOptions::default()).await
     }
 
     /// The answer to a GET. Status 429 (too many requests) is retried.
@@ -134,4 +130,20 @@ impl Served {
             }
         }
     }
+}
+
+/// Serves a database without a broker.
+async fn listen(store: &Store, access: &AccessOptions, streams: StreamOptions) -> (SocketAddr, watch::Sender<bool>) {
+    let (stop, stopped) = watch::channel(false);
+    let (metrics, params) = (Metrics::new(false).unwrap(), Arc::new(Params::nguyen_2021(Formulation::Published)));
+    let public_url = access.oidc.as_ref().and_then(|oidc| oidc.sign_in.as_ref()).map(|sign_in| &sign_in.public_url);
+    let base_path = public_url
+        .map_or_else(String::new, |url| url.parse::<url::Url>().unwrap().path().trim_end_matches('/').to_owned());
+    let access = Access::new(access, IpAddr::V4(Ipv4Addr::LOCALHOST));
+    let (readiness, action_notifier) = (Readiness::default(), ActionNotifier::default());
+    let app = App::new(store.clone(), metrics, readiness, access, action_notifier, params, stopped.clone());
+    let app = app.with_streams(streams);
+    let options = HttpOptions { base_path, ..([127, 0, 0, 1], 0).into() };
+    let http = serve(&options, app, stopped).await.unwrap().address;
+    (http, stop)
 }

@@ -115,10 +115,18 @@ async fn a_policy_is_changed_by_those_who_have_read_it() {
     let now = ask(&running, "GET", path, &[], None).await;
     assert_eq!((now.headers["etag"].as_str(), &now.json()["predicted_error_max"]), ("\"1\"", &json!(0.4)));
     assert_eq!(put(Some("*"), policy("AUTOMATIC")).await.status, 200);
+    // A repeated request is the first one, although that has changed the version.
+    let once = async || {
+        let headers = [("If-Match", "\"2\""), ("Idempotency-Key", "k")];
+        ask(&running, "PUT", path, &headers, Some(policy("ADVISE"))).await
+    };
+    let (first, again) = (once().await, once().await);
+    assert_eq!((first.status, again.status), (200, 200), "{}", again.body);
+    assert_eq!(first.json()["action_id"], again.json()["action_id"]);
     let history = get(&running, "/v1/fleets/f/policy/history").await;
     let modes: Vec<&Value> = history["items"].as_array().unwrap().iter().map(|one| &one["mode"]).collect();
-    assert_eq!(modes, ["AUTOMATIC", "ADVISE"]);
-    assert_eq!(history["items"][1]["reason"], "first week");
+    assert_eq!(modes, ["ADVISE", "AUTOMATIC", "ADVISE"]);
+    assert_eq!(history["items"][2]["reason"], "first week");
     assert_eq!(ask(&running, "GET", "/v1/fleets/nobody/policy", &[], None).await.status, 404);
     running.service.stop().await;
 }

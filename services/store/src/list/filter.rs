@@ -1,5 +1,7 @@
 //! Conditions that rows of a list must meet, and their SQL.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 use sqlx::{Database, Encode, QueryBuilder, Sqlite, Type};
 
@@ -221,10 +223,19 @@ fn push_contains<DB: Database>(sql: &mut QueryBuilder<DB>, columns: &[&'static s
 where
     String: for<'q> Encode<'q, DB> + Type<DB>,
 {
-    let pattern = pattern(text);
+    let is_of_ascii = text.is_ascii();
+    let (operator, pattern) = match (is_of_ascii, DB::NAME == Sqlite::NAME) {
+        (true, _) => (" LIKE ", pattern(text)),
+        // `lower` and LIKE of SQLite change ASCII only, as does `lower` of a PostgreSQL database with the ctype C.
+        (false, true) => (" GLOB ", glob(text)),
+        (false, false) => (" ~ ", regular(text)),
+    };
     sql.push("(false");
     for column in columns {
-        sql.push(" OR lower(").push(*column).push(") LIKE ").push_bind(pattern.clone()).push(" ESCAPE '!'");
+        sql.push(" OR lower(").push(*column).push(")").push(operator).push_bind(pattern.clone());
+        if is_of_ascii {
+            sql.push(" ESCAPE '!'");
+        }
     }
     sql.push(")");
 }
@@ -255,4 +266,46 @@ fn pattern(text: &str) -> String {
     }
     pattern.push('%');
     pattern
+}
+
+/// The pattern of GLOB for a text anywhere in a column whose ASCII letters are in lower case.
+fn glob(text: &str) -> String {
+    let letter = |letter: char| match letter {
+        '*' | '?' | '[' => format!("[{letter}]"),
+        _ => in_both_cases(letter),
+    };
+    format!("*{}*", text.chars().map(letter).collect::<String>())
+}
+
+/// The regular expression of PostgreSQL for the same.
+fn regular(text: &str) -> String {
+    let letter = |letter: char| {
+        if letter.is_ascii_punctuation() { format!("\\{letter}") } else { in_both_cases(letter) }
+    };
+    text.chars().map(letter).collect()
+}
+
+/// An ASCII letter in lower case; another one as the set of its cases.
+fn in_both_cases(letter: char) -> String {
+    if letter.is_ascii() {
+        return letter.to_ascii_lowercase().to_string();
+    }
+    // A case of several letters, such as that of ß, is left out.
+    let one = |mut cases: Box<dyn Iterator<Item = char>>| cases.next().filter(|_| cases.next().is_none());
+    let cases = [Some(letter), one(Box::new(letter.to_lowercase())), one(Box::new(letter.to_uppercase()))];
+    let set: BTreeSet<char> = cases.into_iter().flatten().collect();
+    if set.len() == 1 { letter.to_string() } else { format!("[{}]", set.iter().collect::<String>()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_letters_beyond_ascii_are_searched_in_both_cases() {
+        assert_eq!(glob("ÜBER"), "*[Üü]ber*");
+        assert_eq!(glob("straße [1]*?"), "*straße [[]1][*][?]*");
+        assert_eq!(regular("Öl, 5 (A)"), "[Öö]l\\, 5 \\(a\\)");
+        assert_eq!(regular("検査"), "検査");
+    }
 }

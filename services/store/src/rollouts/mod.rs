@@ -173,6 +173,11 @@ impl From<Stored> for RolloutRow {
     }
 }
 
+/// The roll-out of a fleet that is running or paused.
+const OPEN: &str = "SELECT rollout_id, fleet, kind, change, state, stage, place_max, level, robots, looks, probability, \
+     changed_robots, unchanged_robots, changed_error, unchanged_error, started_us, stage_us, updated_us, started_by, \
+     reason FROM rollouts WHERE fleet = $1 AND state IN ('RUNNING', 'PAUSED')";
+
 impl Writer {
     /// The roll-out of the lease's fleet that is running or paused; `None` without one.
     ///
@@ -180,15 +185,12 @@ impl Writer {
     /// The database cannot be read.
     pub async fn open_rollout(&mut self, lease: &Lease) -> Result<Option<RolloutRow>, StoreError> {
         const WHAT: &str = "read the roll-out";
-        const SQL: &str = "SELECT rollout_id, fleet, kind, change, state, stage, place_max, level, robots, looks, probability, \
-             changed_robots, unchanged_robots, changed_error, unchanged_error, started_us, stage_us, updated_us, started_by, \
-             reason FROM rollouts WHERE fleet = $1 AND state IN ('RUNNING', 'PAUSED')";
         let fleet = lease.fleet().as_str();
         let model = |model: &mut dyn Model| Ok(model.open_rollout(lease).map(Tried::Read));
         let stored: Option<Tried<RolloutRow>> = self
             .attempt(WHAT, PATIENCE, model, async |link| {
                 let stored: Option<Tried<Stored>> =
-                    on!(link, |link| sqlx::query_as(SQL).bind(fleet).fetch_optional(link).await)
+                    on!(link, |link| sqlx::query_as(OPEN).bind(fleet).fetch_optional(link).await)
                         .map_err(failed(WHAT))?;
                 Ok(stored.map(|row| row.map(Into::into)))
             })
@@ -229,6 +231,17 @@ impl Writer {
 }
 
 impl Store {
+    /// The roll-out of a fleet that is running or paused; `None` without one.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub async fn open_rollout(&self, fleet: &str) -> Result<Option<RolloutRow>, StoreError> {
+        let stored: Option<Stored> =
+            on!(&self.pool, |pool| sqlx::query_as(OPEN).bind(fleet).fetch_optional(pool).await)
+                .map_err(failed("read the roll-out"))?;
+        Ok(stored.map(Into::into))
+    }
+
     /// The events of a roll-out, the newest first.
     ///
     /// # Errors

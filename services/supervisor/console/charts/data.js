@@ -30,8 +30,11 @@ export async function rowsOf(whisker, window) {
   const rows = await aggregates(whisker, window, finest);
   if (finest === "minute") {
     const end = rows[0]?.from ?? window.to;
-    if (end - window.from > STEP_MS.hour)
-      rows.unshift(...(await aggregates(whisker, { from: window.from, to: end }, "hour")));
+    if (end - window.from > STEP_MS.hour) {
+      const hours = await aggregates(whisker, { from: window.from, to: end }, "hour");
+      // The minutes tell the contacts of the hour in which they begin.
+      rows.unshift(...hours.filter(({ until }) => until <= end));
+    }
   }
   const since = rows.at(-1)?.until ?? window.from;
   if (since < window.to) rows.push(...(await contactsOf(whisker, { from: since, to: window.to }, TAIL_POINTS)));

@@ -2,7 +2,7 @@
 // The address holds filters and page; the service groups, orders and counts.
 
 import { changed } from "../address.js";
-import { has, list } from "../api.js";
+import { get, has, list } from "../api.js";
 import { alarmActions, alarmsActions, workActions } from "../actions.js";
 import { browser, optionsOf } from "../browse.js";
 import { h } from "../dom.js";
@@ -13,7 +13,8 @@ import { fleetFilter, fleetsOf } from "../parts/fleets.js";
 import { LABEL_FILTER } from "../parts/labels.js";
 import { maintenanceOf, maintenancePart } from "../parts/maintenance.js";
 import { fromOf, SINCE } from "../parts/since.js";
-import { link } from "../places.js";
+import { api, link } from "../places.js";
+import { section } from "../table.js";
 import { ALARM_KINDS, ALARM_LEVELS } from "../words.js";
 
 const STATES = [
@@ -54,37 +55,16 @@ function filterOf(state) {
 
 export default {
   async load(_, state) {
-    const fleets = await fleetsOf();
-    const filter = filterOf(state);
-    if (state.since) {
-      // All alarms of that time, whether they stand or not.
-      const fixed = { ...fromOf(state), sort: "raised_at" };
-      const page = await alarms(fleets, "/v1/alarms").load(state, fixed);
-      return { fleets, page, filter, counts: null, members: new Map(), since: state.since };
-    }
-    if (state.state === "CLEARED") {
-      const page = await alarms(fleets, "/v1/alarms").load(state, { standing: false, sort: "raised_at" });
-      return { fleets, page, filter, counts: null, members: new Map() };
-    }
-    const isFlat = state.fold === "no";
-    const route = isFlat ? "/v1/alarms" : "/v1/alarms/folded";
-    const fixed = { ...filter, ...(isFlat ? { standing: true, sort: "urgency" } : { sort: undefined, order: undefined }) };
-    const { open, ...conditions } = filter;
-    const isFirst = open && !state.cursor;
-    const [page, counts, silenced, windows] = await Promise.all([
-      alarms(fleets, route).load(state, fixed),
-      list("/v1/alarms/counts", filter),
-      isFirst ? list("/v1/alarms", { ...conditions, state: "SHELVED", standing: true, sort: "urgency", limit: SHELVED }) : [],
-      isFirst ? maintenanceOf() : null,
-    ]);
-    return { fleets, page, filter, counts, silenced, windows, members: await storms(page.items, filter, state.storm) };
+    const [told, linked] = await Promise.all([listed(state), linkedOf(state)]);
+    return { ...told, linked };
   },
 
-  view({ fleets, page, filter, counts, silenced = [], windows, members, since }, _, refresh) {
+  view({ fleets, page, filter, counts, silenced = [], windows, members, since, linked }, _, refresh) {
     const actions = (row) => ({ work: workActions(row, refresh), alarm: alarmActions(row, refresh) });
     return [
       h("h1", { tabindex: "-1" }, "Alarms"),
       has("GET", "/v1/alarms/statistics") ? h("p", { class: "links" }, h("a", { href: link.alarmStatistics() }, "Statistics")) : null,
+      linked && section("Alarm of the link", linkedPart(linked, actions)),
       counts ? summary(counts, filter) : h("p", { class: "summary" }, since ? RAISED : "Alarms whose cause is over, the newest first."),
       alarms(fleets, "").view(page, {
         body: [
@@ -98,6 +78,51 @@ export default {
     ];
   },
 };
+
+/** The alarm that a link names, standing or cleared: its own list may be far from it. */
+async function linkedOf({ alarm_id: id }) {
+  if (!id || !has("GET", "/v1/alarms/{}")) return null;
+  return get(api.alarm(id)).catch((problem) => {
+    if (![404, 422].includes(problem.status)) throw problem;
+    return { alarm_id: id, isUnknown: true };
+  });
+}
+
+function linkedPart(linked, actions) {
+  return [
+    linked.isUnknown
+      ? h("p", { class: "empty" }, `Alarm ${linked.alarm_id} is not stored any more.`)
+      : alarmGroups([linked], new Map(), actions),
+    h("p", {}, h("a", { href: changed({ alarm_id: null }) }, "Show only the list below")),
+  ];
+}
+
+async function listed(state) {
+  const fleets = await fleetsOf();
+  const filter = filterOf(state);
+  if (state.since) {
+    // All alarms of that time, whether they stand or not.
+    const fixed = { ...fromOf(state), sort: "raised_at" };
+    const page = await alarms(fleets, "/v1/alarms").load(state, fixed);
+    return { fleets, page, filter, counts: null, members: new Map(), since: state.since };
+  }
+  if (state.state === "CLEARED") {
+    const page = await alarms(fleets, "/v1/alarms").load(state, { standing: false, sort: "raised_at" });
+    return { fleets, page, filter, counts: null, members: new Map() };
+  }
+  const isFlat = state.fold === "no";
+  const route = isFlat ? "/v1/alarms" : "/v1/alarms/folded";
+  const fixed = { ...filter, ...(isFlat ? { standing: true, sort: "urgency" } : { sort: undefined, order: undefined }) };
+  const { open, ...conditions } = filter;
+  const isFirst = open && !state.cursor;
+  const [page, counts, silenced, windows] = await Promise.all([
+    alarms(fleets, route).load(state, fixed),
+    list("/v1/alarms/counts", filter),
+    isFirst ? list("/v1/alarms", { ...conditions, state: "SHELVED", standing: true, sort: "urgency", limit: SHELVED }) : [],
+    isFirst ? maintenanceOf() : null,
+  ]);
+  return { fleets, page, filter, counts, silenced, windows, members: await storms(page.items, filter, state.storm) };
+}
 
 function summary(counts, filter) {
   const total = sum(counts, "alarms");

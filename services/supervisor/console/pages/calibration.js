@@ -51,14 +51,20 @@ export default {
 
 const number = ({ value, low, high }, digits = 4) => interval(value, low, high, (one) => one.toFixed(digits));
 
-/** The version that was active in a fleet before this one; null if none is known. */
+/** The version that was active in a fleet before this one; null if none is known. A roll-out activates its own at its end. */
 async function previousOf(fleet, told, versions) {
-  const activations = await ifServed(
-    "/v1/audit",
-    () => list("/v1/audit", { fleet, kind: "CALIBRATION", state: "DONE", limit: VERSIONS }),
-    [],
-  );
-  const others = activations.map((one) => one.parameters.calibration_id).filter((id) => id !== told.calibration_id);
+  const [asked, rolledOut] = await Promise.all([
+    ifServed("/v1/audit", () => list("/v1/audit", { fleet, kind: "CALIBRATION", state: "DONE", limit: VERSIONS }), []),
+    ifServed("/v1/rollouts", () => list("/v1/rollouts", { fleet, state: "COMPLETED", limit: VERSIONS }), []),
+  ]);
+  const activations = [
+    ...asked.map((one) => ({ at: one.done_at ?? one.asked_at, id: one.parameters.calibration_id })),
+    ...rolledOut
+      .filter(({ kind }) => kind === "CALIBRATION")
+      .map((one) => ({ at: one.updated_at, id: one.change.calibration_id })),
+  ];
+  activations.sort((one, other) => Date.parse(other.at) - Date.parse(one.at));
+  const others = activations.map(({ id }) => id).filter((id) => id !== told.calibration_id);
   return others.map((id) => versions.find((one) => one.calibration_id === id)).find(Boolean) ?? null;
 }
 
@@ -79,7 +85,7 @@ function usesTable(told, uses, previous, refresh) {
         name: "Whiskers",
         numeric: true,
         cell: (row) =>
-          h("a", { href: link.whiskers({ fleet: row.fleet, q: told.model }) }, row.whiskers.toLocaleString("en")),
+          h("a", { href: link.whiskers({ fleet: row.fleet, model: told.model }) }, row.whiskers.toLocaleString("en")),
       },
       { name: "Action", cell: (row) => action(told, row, previous.get(row.fleet), refresh) },
     ],

@@ -3,7 +3,7 @@
 import { ask } from "../api.js";
 import { browser } from "../browse.js";
 import { readings, textOf, Unreadable } from "../calibration-file.js";
-import { field } from "../dialog.js";
+import { field, keys } from "../dialog.js";
 import { h } from "../dom.js";
 import { time } from "../format.js";
 import { notice, problemPanel } from "../notices.js";
@@ -118,9 +118,10 @@ customElements.define("upload-form", UploadForm);
 
 function uploadForm() {
   const reason = refusal("POST", PATH);
+  const keyed = keys();
   return h(
     "form",
-    { class: "card", id: "upload", onsubmit: reason ? refused : upload },
+    { class: "card", id: "upload", onsubmit: reason ? refused : (event) => upload(event, keyed) },
     h("p", {}, "The service fits the readings and stores them as the model's next version. It is not active in any fleet yet."),
     FIELDS.map(field),
     h("div", { class: "answer", role: "alert" }),
@@ -137,7 +138,7 @@ function uploadForm() {
   }
 }
 
-async function upload(event) {
+async function upload(event, keyed) {
   event.preventDefault();
   const form = event.currentTarget ?? event.target;
   const [answer, button] = [form.querySelector(".answer"), form.querySelector("button")];
@@ -156,7 +157,8 @@ async function upload(event) {
       rows: read.rows,
       reason: told.reason.trim() || undefined,
     };
-    const stored = await (await ask(PATH, { method: "POST", body })).json();
+    const answered = await keyed(body, (headers) => ask(PATH, { method: "POST", headers, body }));
+    const stored = await answered.json();
     notice(`Stored as version ${stored.version} of ${stored.model}.`);
     location.hash = link.calibration(stored.calibration_id);
   } catch (problem) {

@@ -37,13 +37,15 @@ const timeline = (fleets) =>
 
 /** Spans in one click: names, and begin and end as moments. */
 function spans(now) {
-  const midnight = (by) => fromField(`${toField(now + by * 24 * HOUR_MS).slice(0, 10)}T00:00`);
-  const today = midnight(0);
+  const midnight = (at) => fromField(`${toField(at).slice(0, 10)}T00:00`);
+  const today = midnight(now);
+  // Days have 23 to 25 hours.
+  const yesterday = midnight(today - 12 * HOUR_MS);
   return [
     ["Last hour", now - HOUR_MS, null],
     ["Last night", today - 4 * HOUR_MS, today + 8 * HOUR_MS],
     ["Today", today, null],
-    ["Yesterday", midnight(-1), today],
+    ["Yesterday", yesterday, today],
   ];
 }
 

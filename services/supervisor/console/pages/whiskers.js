@@ -20,12 +20,13 @@ const whiskers = (fleets) =>
   browser({
     route: "/v1/whiskers",
     what: "whiskers",
-    search: "robot, array or model",
+    search: "robot or array",
     filters: [
       ...fleetFilter(fleets),
       { name: "condition", label: "Condition", options: optionsOf(CONDITIONS) },
       { name: "faulty", label: "Fault", options: yesOrNo("with a fault", "without") },
       { name: "held", label: "Held", options: yesOrNo("held", "not held") },
+      { name: "model", label: "Model", text: true },
       LABEL_FILTER,
     ],
   });
@@ -57,9 +58,9 @@ const COLUMNS = [
 ];
 
 /** The filters of the address as conditions of a bulk action. */
-function filterOf({ fleet, condition, faulty, held, label, q }) {
+function filterOf({ fleet, condition, faulty, held, model, label, q }) {
   const flag = (word) => (word ? word === "true" : undefined);
-  const filter = { fleet, condition, faulty: flag(faulty), held: flag(held), label, q };
+  const filter = { fleet, condition, faulty: flag(faulty), held: flag(held), model, label, q };
   return Object.fromEntries(Object.entries(filter).filter(([, value]) => value !== undefined && value !== ""));
 }
 

@@ -7,6 +7,6 @@ const COUNTS = "/v1/alarms/counts";
 /** The number of alarms that stand and are not shelved; null if the service does not tell it. */
 export async function openAlarms() {
   if (!has("GET", COUNTS)) return null;
-  const counts = await list(COUNTS, { open: true }).catch(() => []);
-  return counts.reduce((sum, { alarms }) => sum + alarms, 0);
+  const counts = await list(COUNTS, { open: true }).catch(() => null);
+  return counts?.reduce((sum, { alarms }) => sum + alarms, 0) ?? null;
 }

@@ -29,7 +29,7 @@ mod part;
 mod pipeline;
 mod quarantine;
 mod robot;
-mod rollout;
+pub(crate) mod rollout;
 mod start;
 mod worker;
 

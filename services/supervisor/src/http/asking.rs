@@ -2,7 +2,7 @@
 
 use axum::extract::{Extension, FromRequestParts};
 use axum::http::request::Parts;
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Json, Response};
 use serde::Deserialize;
 use serde_json::Value;
@@ -14,6 +14,7 @@ use super::App;
 use super::access::Caller;
 use super::passage::RequestId;
 use super::problem::{Kind, Problem};
+use super::version::lists;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_store::actions::{Asked, NewAction};
 use vibrissa_store::list::{Filter, Value as Sql};
@@ -124,6 +125,28 @@ pub fn number_of(asked: Asked) -> Result<i64, Problem> {
             format!("Idempotency-Key already used for action {} ({}): take a new key", action.action_id, action.kind),
         )),
     }
+}
+
+/// The version that a request with the same idempotency key has replaced, if `If-Match` names it. The version in force
+/// follows from that request, so it does not tell whether a repeated one is late.
+///
+/// # Errors
+/// The database cannot be read.
+pub async fn replaced_before(
+    app: &App,
+    asker: &Asker,
+    kind: &str,
+    fleet: &Name,
+    headers: &HeaderMap,
+) -> Result<Option<i64>, Problem> {
+    if asker.idempotency_key.is_none() {
+        return Ok(None);
+    }
+    let before = app.store.action_of_key(&asker.caller.actor, asker.idempotency_key.as_deref()).await?;
+    let before = before.filter(|before| before.kind == kind && before.fleet.as_deref() == Some(fleet.as_str()));
+    let parameters = before.and_then(|before| serde_json::from_str::<Value>(&before.parameters).ok());
+    let version = parameters.and_then(|parameters| parameters["expected_version"].as_i64());
+    Ok(version.filter(|version| lists(headers, header::IF_MATCH, *version)))
 }
 
 /// Sends an action to the fleet's engine and waits for its result: done, refused, or still pending.

@@ -53,9 +53,10 @@ use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use vibrissa_core::robot::Params;
 use vibrissa_host::task;
-use vibrissa_protocol::plain;
+use vibrissa_protocol::{Name, plain};
 
 use crate::action_notifier::ActionNotifier;
+use crate::engine::rollout;
 use crate::metrics::Metrics;
 use crate::params;
 use crate::readiness::Readiness;
@@ -192,14 +193,17 @@ impl App {
 }
 
 impl App {
-    /// Parameters of a fleet: those of the configuration, overridden by its policy and its activated calibrations.
+    /// Parameters of a robot: those of the configuration, overridden by its fleet's policy and activated calibrations, and by
+    /// a roll-out that has changed this robot.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn params_of(&self, fleet: &str) -> Result<Arc<Params>, StoreError> {
-        let policy = self.store.policy(fleet).await?;
+    pub async fn params_of(&self, fleet: &Name, robot: &Name) -> Result<Arc<Params>, StoreError> {
+        let policy = self.store.policy(fleet.as_str()).await?;
         let params = params::with_policy(self.params.clone(), policy.as_ref());
-        Ok(params::with_calibrations(params, &self.store.active_calibrations(fleet).await?).0)
+        let params = params::with_calibrations(params, &self.store.active_calibrations(fleet.as_str()).await?).0;
+        let open = self.store.open_rollout(fleet.as_str()).await?;
+        Ok(open.map_or(params.clone(), |open| rollout::params_of(open, params, robot)))
     }
 }
 

@@ -10,10 +10,11 @@ pub(super) mod trial;
 
 use std::sync::Arc;
 
+use tracing::warn;
 use vibrissa_core::robot::Params;
 use vibrissa_core::rollout::Stage;
 use vibrissa_edge::words::named;
-use vibrissa_protocol::plain;
+use vibrissa_protocol::{Name, plain};
 use vibrissa_store::rollouts::RolloutRow;
 
 use change::Change;
@@ -54,6 +55,19 @@ impl Rollout {
     /// Stage for the metrics: 1 for 5 %, 2 for 25 %.
     pub(super) fn stage_number(&self) -> i64 {
         self.stage() as i64 + 1
+    }
+}
+
+/// The parameters of a robot of a fleet with this roll-out, where the base is those of the fleet.
+pub(crate) fn params_of(row: RolloutRow, base: Arc<Params>, robot: &Name) -> Arc<Params> {
+    let number = row.rollout_id;
+    match Rollout::restored(row, &base).map(|open| open.trial()) {
+        Ok(trial) if trial.has(robot) => trial.params,
+        Ok(_) => base,
+        Err(problem) => {
+            warn!(rollout = number, problem, "cannot read a roll-out, using the parameters of the fleet");
+            base
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use vibrissa_protocol::Name;
 
 use super::paths::FleetPath;
 use crate::http::App;
-use crate::http::asking::{Asker, Why, answered, number_of, reason};
+use crate::http::asking::{Asker, Why, answered, number_of, reason, replaced_before};
 use crate::http::extract::{Body, OptionalBody, Path};
 use crate::http::problem::{Kind, Problem};
 use crate::http::version::{etag, lists, tagged};
@@ -161,7 +161,11 @@ async fn set(
     (robots, why): (Option<Vec<Name>>, Option<String>),
 ) -> Result<Response, Problem> {
     let why = reason(why)?;
-    let version = expected(app, at, headers).await?;
+    let kind = RecordedKind::AllowedRobots.word();
+    let version = match replaced_before(app, &asker, kind, &at.fleet, headers).await? {
+        Some(version) => version,
+        None => expected(app, at, headers).await?,
+    };
     let text = robots.map(|robots| {
         let mut names: Vec<&str> = robots.iter().map(Name::as_str).collect();
         names.sort_unstable();
@@ -174,7 +178,7 @@ async fn set(
         "robots": text.as_ref().map(|text| text.lines().count()),
         "list": text.as_ref().map(|text| Uuid::new_v5(&Uuid::NAMESPACE_OID, text.as_bytes()).to_string()),
     });
-    let mut action = asker.action(RecordedKind::AllowedRobots.word(), &parameters, why);
+    let mut action = asker.action(kind, &parameters, why);
     action.fleet = Some(at.fleet.to_string());
     let asked = app.store.set_allowed_robots(at.fleet.as_str(), version, text.as_deref(), &action).await?;
     let action_id = number_of(asked.ok_or_else(|| changed(version + 1, &etag(version)))?)?;

@@ -75,7 +75,7 @@ async fn get_contact_place(
             .map_err(|_| invalid("pressure_mpa", "must be 0 to 1"))?,
     };
     let Learned { robot, index, .. } = at.learned(&app.store).await?;
-    let params = app.params_of(at.fleet.as_str()).await?;
+    let params = app.params_of(&at.fleet, &at.robot).await?;
     let located = robot.locate(&params, index, &touch);
     let located = located.map_err(|error| Problem::new(Kind::Refused, error.to_string()))?;
     Ok(Json(ContactPlaceAnswer {

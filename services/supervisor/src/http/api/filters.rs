@@ -71,6 +71,10 @@ pub struct WhiskerFilter {
     /// True: only whiskers for which the alarm VENTED stands; false: only the others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vented: Option<bool>,
+    /// Model of the whisker.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+    pub model: Option<Name>,
     /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label: Option<LabelFilter>,
@@ -131,6 +135,7 @@ impl WhiskerFilter {
         all.extend(self.faulty.map(|faulty| Filter::IsNull("fault", !faulty)));
         all.extend(self.held.map(|held| Filter::Is("held", Value::Flag(held))));
         all.extend(self.vented.map(has_vented_alarm));
+        all.extend(text("model", self.model));
         all.extend(labels(self.label.as_ref()));
         all.extend(checked(self.q)?.map(named));
         Ok(all)

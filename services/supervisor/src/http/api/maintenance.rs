@@ -12,6 +12,7 @@ use vibrissa_edge::actions::RecordedKind;
 use vibrissa_edge::clock::wall_clock;
 use vibrissa_edge::words::Word as _;
 use vibrissa_protocol::Name;
+use vibrissa_store::actions::Asked;
 use vibrissa_store::lists::actions::ActionRow;
 use vibrissa_store::maintenance::{MaintenanceRow, NewMaintenance, Planned, WINDOWS_MAX};
 use vibrissa_store::time::Time;
@@ -231,6 +232,9 @@ async fn set_maintenance(
     if !caller.scope.covers(&new.fleet) {
         return Err(Problem::not_found(format_args!("fleet {}", new.fleet)));
     }
+    if !app.store.has_fleet(&new.fleet).await? {
+        return Err(Problem::not_found(format_args!("fleet {}", new.fleet)));
+    }
     // A repeated request without a begin has another time.
     let (from, until) = (body.from.map(|from| from.0), body.until.0);
     let parameters = json!({ "from": from, "until": until, "repeats": body.repeats });
@@ -239,11 +243,13 @@ async fn set_maintenance(
     let row = match app.store.set_maintenance(&new, &action).await? {
         Planned::Done(maintenance_id) => found(&app, &caller, maintenance_id).await?,
         Planned::Known(asked) => {
-            number_of(*asked)?;
-            let same = |row: &MaintenanceRow| {
-                (&row.fleet, &row.robot, &row.reason) == (&new.fleet, &new.robot, &new.reason)
-                    && row.repeat_us == new.repeat_us
+            // The request that has set it left its person and its time.
+            let set = match &*asked {
+                Asked::Again(kept) => (kept.actor.clone(), kept.asked_us),
+                Asked::New(_) | Asked::Different(_) => Default::default(),
             };
+            number_of(*asked)?;
+            let same = |row: &MaintenanceRow| (&row.set_by, row.set_us) == (&set.0, set.1);
             let rows = app.store.maintenance().await?;
             rows.into_iter().rfind(same).ok_or_else(|| Problem::unknown("the window was removed meanwhile"))?
         }

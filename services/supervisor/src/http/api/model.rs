@@ -134,7 +134,7 @@ async fn get_model(State(app): State<App>, Path(at): Path<WhiskerPath>) -> Resul
         let index = robot.find(at.array.as_str(), at.whisker)?;
         robot.whisker(index).map(|view| view.offset)
     });
-    let params = app.params_of(at.fleet.as_str()).await?;
+    let params = app.params_of(&at.fleet, &at.robot).await?;
     let model = params.model(&whisker.model);
     let pressure_mpa = whisker.pressure_mpa.unwrap_or(whisker.setpoint_mpa);
     let mut recent = present(&contacts, &whisker, pressure_mpa);

@@ -13,7 +13,7 @@ use vibrissa_core::policy_numbers;
 
 use super::paths::FleetPath;
 use crate::http::App;
-use crate::http::asking::{Asker, ask, reason};
+use crate::http::asking::{Asker, ask, reason, replaced_before};
 use crate::http::extract::{Body, Path, Query};
 use crate::http::listing::Listing;
 use crate::http::page::{Page, list_query};
@@ -143,7 +143,10 @@ async fn put_policy(
 ) -> Result<Response, Problem> {
     body.check()?;
     let why = reason(body.reason.take())?;
-    let expected_version = expected(&app, &at, &headers).await?;
+    let expected_version = match replaced_before(&app, &asker, "POLICY", &at.fleet, &headers).await? {
+        Some(version) => version,
+        None => expected(&app, &at, &headers).await?,
+    };
     let parameters = json!(Parameters { expected_version, policy: body });
     let mut action = asker.action("POLICY", &parameters, why);
     action.fleet = Some(at.fleet.to_string());

@@ -273,7 +273,7 @@ async fn get_what_if(
     let length = length.ok_or_else(|| Problem::invalid("length_mm", "must be 1 to 1000"))?;
     let Learned { robot, robot_id, index } = at.learned(&app.store).await?;
     // Assigning compensators in a large array takes a while.
-    let params = app.params_of(at.fleet.as_str()).await?;
+    let params = app.params_of(&at.fleet, &at.robot).await?;
     let answered = task::blocking(move || {
         let answer = robot.what_if(&params, index, length)?;
         let curve = by_ratio(&robot, &params, index, length, &answer);

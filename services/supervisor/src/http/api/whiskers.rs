@@ -44,6 +44,9 @@ list_query! {
         pub held: Option<bool>,
         /// True: only whiskers for which the alarm VENTED stands; false: only the others.
         pub vented: Option<bool>,
+        /// Model of the whisker.
+        #[param(value_type = Option<String>, pattern = "^[A-Za-z0-9_-]{1,64}$")]
+        pub model: Option<Name>,
         /// Conditions on the labels of the robot: `key=value`, or `key` for any value; up to 8, separated by commas.
         #[param(inline)]
         pub label: Option<LabelFilter>,
@@ -64,6 +67,7 @@ impl WhiskersQuery {
             faulty: self.faulty,
             held: self.held,
             vented: self.vented,
+            model: self.model.clone(),
             label: self.label.clone(),
             q: self.q.clone(),
         }

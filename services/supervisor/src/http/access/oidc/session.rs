@@ -2,6 +2,7 @@
 //! keeps the provider's tokens, encrypted with that key. So neither has them alone.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
@@ -11,6 +12,8 @@ use openidconnect::{
 };
 use serde::{Deserialize, Serialize};
 use tokio::sync::Mutex;
+use tokio::task::JoinError;
+use tracing::Instrument as _;
 
 use super::access_token::Oidc;
 use super::claims::{self, is_stale};
@@ -21,10 +24,10 @@ use super::return_page::ReturnPage;
 use super::tokens::{Tokens, open, seal};
 use crate::http::access::SignInOptions;
 use crate::http::access::cookies::{ID_BYTES, KEY_BYTES, Site, session_ended};
-use crate::http::access::{Authentication, Caller};
+use crate::http::access::{Authentication, Caller, Role};
 use crate::http::problem::{Kind, Problem};
 use vibrissa_edge::clock::wall_clock;
-use vibrissa_host::random;
+use vibrissa_host::{random, task};
 use vibrissa_store::Store;
 use vibrissa_store::secret::Secret;
 use vibrissa_store::sessions::SessionRow;
@@ -33,6 +36,9 @@ use vibrissa_store::sessions::SessionRow;
 pub(in crate::http) const SESSION_S: i64 = 12 * 3600;
 /// Number of renewals that can be under way at once; those of one session follow each other.
 const RENEWALS: usize = 16;
+/// Number of reads of a session whose refresh token the provider refuses, and the pause between them.
+const READS: usize = 10;
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// Signs people in with the identity provider. Clones share their state.
 #[derive(Debug, Clone)]
@@ -40,7 +46,7 @@ pub(in crate::http) struct SignIn {
     provider: Provider,
     oidc: Oidc,
     site: Arc<Site>,
-    renewals: Arc<[Mutex<()>; RENEWALS]>,
+    renewals: Arc<[Arc<Mutex<()>>; RENEWALS]>,
 }
 
 /// A sign-in that is under way at the provider. The browser keeps it in a cookie.
@@ -78,6 +84,20 @@ pub(in crate::http) struct Begun {
     pub caller: Caller,
 }
 
+/// A session that its person ends.
+#[derive(Debug)]
+pub(in crate::http) struct Ending {
+    /// Key of its row.
+    pub session_id: Vec<u8>,
+    /// Actor, as at the sign-in.
+    pub actor: String,
+    /// Name of the person.
+    pub name: String,
+    /// Role of the person.
+    pub role: Role,
+    id_token: Option<String>,
+}
+
 /// Why a sign-in failed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::http) enum Failure {
@@ -91,7 +111,7 @@ impl SignIn {
     pub(super) fn new(issuer: &str, options: &SignInOptions, oidc: Oidc) -> Self {
         let provider = Provider::new(issuer, options);
         let site = Arc::new(Site::of(&options.public_url));
-        Self { provider, oidc, site, renewals: Arc::new(std::array::from_fn(|_| Mutex::new(()))) }
+        Self { provider, oidc, site, renewals: Arc::new(std::array::from_fn(|_| Arc::default())) }
     }
 
     /// Where browsers reach the console.
@@ -166,9 +186,9 @@ impl SignIn {
     /// # Errors
     /// The session has ended, or the database or the provider does not answer.
     pub(in crate::http) async fn caller(&self, store: &Store, cookie: &Secret) -> Result<Caller, Problem> {
-        let (row, mut tokens, key) = opened(store, cookie).await?.ok_or_else(session_ended)?;
+        let (row, mut tokens, _) = opened(store, cookie).await?.ok_or_else(session_ended)?;
         if is_stale(&tokens.access_token) {
-            tokens = self.renewed(store, cookie, &row, &key).await?;
+            tokens = self.renewed(store, cookie, &row.session_id).await?;
         }
         let claims = self.oidc.verified(&tokens.access_token).await?;
         // An older version has not checked renewals.
@@ -179,28 +199,56 @@ impl SignIn {
         Ok(Caller { authentication: Authentication::Session, expires_us: Some(row.expires_us), ..caller })
     }
 
-    async fn renewed(&self, store: &Store, cookie: &Secret, row: &SessionRow, key: &[u8]) -> Result<Tokens, Problem> {
-        let place = usize::from(row.session_id.first().copied().unwrap_or_default()) % RENEWALS;
-        let _turn = self.renewals[place].lock().await;
+    /// The session with new tokens.
+    async fn renewed(&self, store: &Store, cookie: &Secret, session_id: &[u8]) -> Result<Tokens, Problem> {
+        let place = usize::from(session_id.first().copied().unwrap_or_default()) % RENEWALS;
+        let turn = self.renewals[place].clone().lock_owned().await;
+        let (sign_in, store, cookie) = (self.clone(), store.clone(), cookie.clone());
+        // A renewal outlives its request: the provider gives each refresh token once, and its new one must be stored.
+        let renewal = async move {
+            let _turn = turn;
+            sign_in.renew(&store, &cookie).await
+        };
+        let failed = |problem: JoinError| Problem::new(Kind::Internal, format!("cannot renew a session: {problem}"));
+        task::spawn(renewal.in_current_span()).await.map_err(failed)?
+    }
+
+    async fn renew(&self, store: &Store, cookie: &Secret) -> Result<Tokens, Problem> {
         // Another request may have renewed them meanwhile.
-        let (_, tokens, _) = opened(store, cookie).await?.ok_or_else(session_ended)?;
+        let (row, tokens, key) = opened(store, cookie).await?.ok_or_else(session_ended)?;
         if !is_stale(&tokens.access_token) {
             return Ok(tokens);
         }
         let answer = match self.provider.renew(tokens.refresh_token.clone()).await {
             Ok(answer) => answer,
-            Err(Denial::Refused(what)) => return self.ends(store, row, &what).await,
+            Err(Denial::Refused(what)) => return self.refused(store, cookie, &row, &what).await,
             Err(Denial::Away(what)) => return Err(away(&what)),
         };
         match self.is_of_the_same_person(&tokens, &answer).await {
             Ok(()) => {
                 let new = Tokens::of(&answer, Some(tokens));
-                store.reseal_session(&row.session_id, &seal(&new, key)?).await?;
-                Ok(new)
+                if store.reseal_session(&row.session_id, &row.sealed, &seal(&new, &key)?).await? {
+                    return Ok(new);
+                }
+                // Another supervisor has stored its own meanwhile, or the session has ended.
+                opened(store, cookie).await?.map(|(_, tokens, _)| tokens).ok_or_else(session_ended)
             }
             Err(problem) if problem.kind == Kind::Unavailable => Err(problem),
-            Err(problem) => self.ends(store, row, &problem.detail).await,
+            Err(problem) => self.ends(store, &row, &problem.detail).await,
         }
+    }
+
+    /// The tokens of a session whose refresh token the provider refuses. Another supervisor of this database may have used
+    /// it just before: it stores the new tokens soon. Otherwise the session ends.
+    async fn refused(&self, store: &Store, cookie: &Secret, old: &SessionRow, what: &str) -> Result<Tokens, Problem> {
+        for _ in 0..READS {
+            let (row, tokens, _) = opened(store, cookie).await?.ok_or_else(session_ended)?;
+            if row.sealed != old.sealed {
+                return Ok(tokens);
+            }
+            tokio::time::sleep(PAUSE).await;
+        }
+        self.ends(store, old, what).await
     }
 
     /// Whether the tokens of a renewal are about the person who signed in (OpenID Connect Core 1.0, 12.2).
@@ -228,15 +276,27 @@ impl SignIn {
     /// Ends a session that the provider does not continue.
     async fn ends<T>(&self, store: &Store, row: &SessionRow, what: &str) -> Result<T, Problem> {
         tracing::info!(actor = row.actor, what, "a session of the console ends");
-        store.end_session(&row.session_id, None).await?;
+        store.end_refused_session(&row.session_id, &row.sealed).await?;
         Err(session_ended())
     }
 
-    /// Hash of a cookie's identifier, and where the browser signs out at the provider, too.
-    pub(in crate::http) async fn end(&self, store: &Store, cookie: &Secret) -> Option<(Vec<u8>, Option<String>)> {
-        let (row, tokens, _) = opened(store, cookie).await.ok().flatten()?;
-        let url = self.provider.end_session_url(tokens.id_token.as_deref()).await;
-        Some((row.session_id, url))
+    /// The session that a person ends; `None` if it has ended. It needs no answer of the provider: the stored tokens were
+    /// verified before.
+    ///
+    /// # Errors
+    /// The database does not answer.
+    pub(in crate::http) async fn ending(&self, store: &Store, cookie: &Secret) -> Result<Option<Ending>, Problem> {
+        let Some((row, tokens, _)) = opened(store, cookie).await? else { return Ok(None) };
+        let claims = claims::unverified(&tokens.access_token).unwrap_or_default();
+        // Another version of the configuration may find no role in them.
+        let (name, role) =
+            self.oidc.allowed(&claims).map_or((row.actor.clone(), Role::Viewer), |caller| (caller.name, caller.role));
+        Ok(Some(Ending { session_id: row.session_id, actor: row.actor, name, role, id_token: tokens.id_token }))
+    }
+
+    /// Where the browser signs out at the provider, too.
+    pub(in crate::http) async fn end_session_url(&self, ending: &Ending) -> Option<String> {
+        self.provider.end_session_url(ending.id_token.as_deref()).await
     }
 }
 

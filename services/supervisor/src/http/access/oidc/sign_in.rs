@@ -15,7 +15,7 @@ use subtle::ConstantTimeEq as _;
 use super::return_page::ReturnPage;
 use super::session::{Attempt, Failure, SESSION_S, SignIn};
 use crate::http::App;
-use crate::http::access::Caller;
+use crate::http::access::Role;
 use crate::http::access::cookies::{self, ATTEMPT, SESSION};
 use crate::http::passage::RequestId;
 use crate::http::problem::{Kind, Problem};
@@ -124,7 +124,7 @@ async fn callback(
         Err(Failure::NoRole(what)) => return failed(Cause::NoRole, &what),
         Err(Failure::Provider(what)) => return failed(Cause::Provider, &what),
     };
-    let action = audited(RecordedKind::SignIn, &begun.caller, request_id);
+    let action = audited(RecordedKind::SignIn, &begun.caller.name, &begun.caller.actor, begun.caller.role, request_id);
     app.store.add_session(&begun.row, &action).await?;
     // Strict: requests from other sites come without it. It ends with the browser, or with the session.
     let session = cookies::set(&SESSION, begun.cookie.reveal(), sign_in.site(), Some(SESSION_S));
@@ -140,14 +140,12 @@ async fn sign_out(
         app.access.sign_in().ok_or_else(|| Problem::not_found("sign-in: no client is configured"))?;
     cookies::require_own_page(&headers)?;
     let mut place = None;
-    if let Some(cookie) = cookies::value(&headers, &SESSION, sign_in.site()) {
-        let cookie = Secret::new(cookie);
-        let caller = sign_in.caller(&app.store, &cookie).await.ok();
-        if let Some((session_id, url)) = sign_in.end(&app.store, &cookie).await {
-            let action = caller.map(|caller| audited(RecordedKind::SignOut, &caller, request_id));
-            app.store.end_session(&session_id, action.as_ref()).await?;
-            place = url;
-        }
+    if let Some(cookie) = cookies::value(&headers, &SESSION, sign_in.site())
+        && let Some(ending) = sign_in.ending(&app.store, &Secret::new(cookie)).await?
+    {
+        let action = audited(RecordedKind::SignOut, &ending.name, &ending.actor, ending.role, request_id);
+        app.store.end_session(&ending.session_id, &action).await?;
+        place = sign_in.end_session_url(&ending).await;
     }
     let mut response = (StatusCode::OK, Json(json!({ "end_session_url": place }))).into_response();
     add(&mut response, &cookies::clear(&SESSION, sign_in.site()))?;
@@ -155,7 +153,7 @@ async fn sign_out(
 }
 
 /// The entry in the audit log.
-fn audited(kind: RecordedKind, caller: &Caller, request_id: String) -> NewAction {
+fn audited(kind: RecordedKind, name: &str, actor: &str, role: Role, request_id: String) -> NewAction {
     let now_us = wall_clock().0 as i64;
     NewAction {
         fleet: None,
@@ -165,10 +163,10 @@ fn audited(kind: RecordedKind, caller: &Caller, request_id: String) -> NewAction
         compensation_id: None,
         alarm_id: None,
         kind: kind.word().to_owned(),
-        parameters: json!({ "name": caller.name }).to_string(),
+        parameters: json!({ "name": name }).to_string(),
         reason: None,
-        actor: caller.actor.clone(),
-        role: caller.role.word().to_owned(),
+        actor: actor.to_owned(),
+        role: role.word().to_owned(),
         request_id,
         idempotency_key: None,
         asked_us: now_us,
