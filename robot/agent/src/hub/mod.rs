@@ -159,11 +159,8 @@ impl Hub {
         let spool = config.spool().map(open).transpose()?;
         stored.is_spooled = spool.as_ref().is_some_and(|spool| !spool.is_empty());
         let (agent, records) = Agent::new(config, boot_id(), stored, now());
-        if let Some(file) = &mut file {
-            file.replace(records)?;
-        }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
-        let store = file.map(|file| Store::new(file, spool));
+        let store = file.map(|file| Store::begin(file, spool, records));
         let state = State {
             agent,
             pending: VecDeque::new(),
