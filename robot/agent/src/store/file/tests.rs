@@ -287,7 +287,7 @@ fn regress_files_of_somebody_else_keep_content_and_mode() {
         }
     }
     // A torn file of an earlier agent is replaced.
-    for torn in ["", "vibrissa-rob", "vibrissa-robot outbox 1\nx"] {
+    for torn in ["", "vibrissa-rob", "vibrissa-robot outbox 1\nx", "\0\0\0\0", "vibrissa-rob\0\0"] {
         fs::write(folder.0.join("outbox.new"), torn).unwrap();
         StoreFile::open(&folder.file(), 1 << 20).unwrap().0.replace(some_records()).unwrap();
     }
