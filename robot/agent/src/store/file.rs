@@ -130,6 +130,7 @@ impl StoreFile {
         // A lock file is empty. Nothing is written to another one, and its mode stays.
         if lock.metadata().map_err(&refused)?.len() == 0 {
             private::close_to_others(&lock).map_err(&refused)?;
+            private::give_to_owner(&lock, path).map_err(&refused)?;
         }
         Ok(lock)
     }
