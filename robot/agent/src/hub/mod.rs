@@ -105,7 +105,10 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     });
     let monitor = async {
         match monitor {
-            Some(listener) => monitor::serve(listener, || hub.lock().agent.snapshot(now())).await,
+            Some(listener) => {
+                let shown = hub.clone();
+                monitor::serve(listener, move || shown.lock().agent.snapshot(now())).await;
+            }
             None => std::future::pending().await,
         }
     };
