@@ -87,10 +87,17 @@ fn started(path: &Path, is_check: bool, command: Option<Command>) -> anyhow::Res
     if let Some(Command::Completions(shell)) = command {
         return Ok(completions::run(&shell, &mut Arguments::command(), &mut stdout())?);
     }
-    let config = Config::read(path).with_context(|| path.display().to_string())?;
     if let Some(Command::Monitor { once }) = command {
+        // The agent of a Python robot has no way to a driver in its file.
+        let config =
+            Config::read(path).or_else(|problem| match Config::read_driven_at(path, PathBuf::from("driver")) {
+                Ok(config) => Ok(config),
+                Err(_) => Err(problem),
+            });
+        let config = config.with_context(|| path.display().to_string())?;
         return runtime()?.block_on(monitor::watch(&config, once));
     }
+    let config = Config::read(path).with_context(|| path.display().to_string())?;
     if let Some(Command::Calibrate { whiskers, again }) = command {
         let runtime = runtime()?;
         let outcome = runtime.block_on(calibrate::calibrate(&config, path, &whiskers, again));

@@ -11,13 +11,19 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader};
 use tokio::net::{UnixListener, UnixStream};
+use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
+use vibrissa_host::task;
 
 use crate::agent::snapshot::{Snapshot, WhiskerView};
 use crate::config::Config;
 
 /// Time between two views.
 const EVERY: Duration = Duration::from_secs(1);
+/// Time limit for a view.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Most people and programs that watch at once.
+const WATCHERS_MAX: usize = 8;
 
 /// The socket of an agent with a file for its outbox.
 #[must_use]
@@ -27,22 +33,32 @@ pub fn socket(config: &Config) -> Option<PathBuf> {
     Some(PathBuf::from(name))
 }
 
-/// Shows whoever comes the state of the agent; one at a time, because a person looks.
-pub(crate) async fn serve(listener: UnixListener, snapshot: impl Fn() -> Snapshot) {
+/// Shows whoever comes the state of the agent.
+pub(crate) async fn serve(listener: UnixListener, snapshot: impl Fn() -> Snapshot + Clone + Send + 'static) {
+    let mut watchers = JoinSet::new();
     loop {
-        let Ok((mut stream, _)) = listener.accept().await else {
-            sleep(EVERY).await;
-            continue;
-        };
-        loop {
-            let mut line = vibrissa_protocol::encode(&snapshot());
-            line.push(b'\n');
-            let written = timeout(EVERY, stream.write_all(&line)).await;
-            if !matches!(written, Ok(Ok(()))) {
-                break;
-            }
-            sleep(EVERY).await;
+        tokio::select! {
+            accepted = listener.accept(), if watchers.len() < WATCHERS_MAX => match accepted {
+                Ok((stream, _)) => {
+                    task::spawn_in(&mut watchers, show(stream, snapshot.clone()));
+                }
+                Err(_) => sleep(EVERY).await,
+            },
+            Some(_) = watchers.join_next() => {}
         }
+    }
+}
+
+/// Writes the state each second until nobody reads it.
+async fn show(mut stream: UnixStream, snapshot: impl Fn() -> Snapshot) {
+    loop {
+        let mut line = vibrissa_protocol::encode(&snapshot());
+        line.push(b'\n');
+        let written = timeout(EVERY, stream.write_all(&line)).await;
+        if !matches!(written, Ok(Ok(()))) {
+            return;
+        }
+        sleep(EVERY).await;
     }
 }
 
@@ -58,7 +74,10 @@ pub async fn watch(config: &Config, once: bool) -> anyhow::Result<()> {
     let stream =
         stream.with_context(|| format!("no agent can be reached at {}: does it run, as this user?", path.display()))?;
     let mut lines = BufReader::new(stream).lines();
-    while let Some(line) = lines.next_line().await? {
+    loop {
+        let line = timeout(PATIENCE, lines.next_line()).await;
+        let line = line.with_context(|| format!("the agent does not answer: do {WATCHERS_MAX} others watch it?"))?;
+        let Some(line) = line? else { bail!("the agent has ended") };
         let view = text(&serde_json::from_str(&line)?);
         let clear = if once { "" } else { "\x1b[H\x1b[2J" };
         std::io::stdout().write_all(format!("{clear}{view}").as_bytes())?;
@@ -67,7 +86,6 @@ pub async fn watch(config: &Config, once: bool) -> anyhow::Result<()> {
             return Ok(());
         }
     }
-    bail!("the agent has ended")
 }
 
 /// A view as text: one line for each whisker, and one for each driver that is not there.
@@ -98,4 +116,44 @@ fn line(whisker: &WhiskerView) -> String {
          {unused} unused{most}{advice}\n",
         whisker.array, whisker.whisker, whisker.regulator, whisker.gauge, whisker.setpoint_mpa, whisker.refused
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use vibrissa_protocol::BootId;
+
+    use super::*;
+    use crate::Agent;
+    use crate::clock::now;
+    use crate::config::tests::EXAMPLE;
+    use crate::store::Stored;
+
+    /// The second one waited for ever, without a word.
+    #[tokio::test]
+    async fn regress_two_may_watch_at_once() {
+        let path = std::env::temp_dir().join(format!("vibrissa-monitor-{}", std::process::id()));
+        let _ = std::fs::remove_file(&path);
+        let listener = UnixListener::bind(&path).unwrap();
+        let config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
+        let (agent, _) = Agent::new(&config, BootId::new("b1").unwrap(), Stored::default(), now());
+        let snapshot = agent.snapshot(now());
+        let shown = snapshot.clone();
+        let watched = async {
+            let mut watchers = Vec::new();
+            for _ in 0..2 {
+                let stream = UnixStream::connect(&path).await.unwrap();
+                let mut lines = BufReader::new(stream).lines();
+                let line = lines.next_line().await.unwrap().unwrap();
+                assert_eq!(serde_json::from_str::<Snapshot>(&line).unwrap(), snapshot);
+                watchers.push(lines);
+            }
+        };
+        tokio::select! {
+            () = watched => {}
+            () = serve(listener, move || shown.clone()) => {}
+        }
+        std::fs::remove_file(&path).unwrap();
+    }
 }

@@ -10,6 +10,7 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{Access, OFlags, access};
+use vibrissa_program::files::own_uid;
 use vibrissa_protocol::plain;
 
 use crate::config::{Config, DriverConfig, Way};
@@ -59,10 +60,18 @@ pub fn remarks(config: &Config) -> Vec<String> {
     {
         remarks.push(format!("warning: outbox.disk_bytes is {} MiB, but only {} MiB are free", disk >> 20, free >> 20));
     }
+    remarks.extend(rights(own_uid()));
     if config.outbox_file.as_deref().is_some_and(is_locked) {
         remarks.push("an agent runs with this outbox: whether devices and ports are free was not checked".to_owned());
     }
     remarks
+}
+
+/// Root can read what the service's user cannot.
+fn rights(uid: u32) -> Option<String> {
+    (uid == 0).then(|| {
+        "files and devices were checked with the rights of root: check as the agent's user, too (sudo -u vibrissa-robot)".to_owned()
+    })
 }
 
 fn free_bytes(folder: &Path) -> Option<u64> {
@@ -80,7 +89,7 @@ fn is_locked(path: &Path) -> bool {
 fn outbox(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        return Some(format!("outbox.file: {} is no folder", folder.display()));
+        return Some(format!("outbox.file: {} is no folder: make it, for the agent's user", folder.display()));
     }
     if access(folder, Access::WRITE_OK | Access::EXEC_OK).is_err() {
         return Some(format!("outbox.file: files in {} cannot be written by this user", folder.display()));
@@ -177,6 +186,14 @@ fn shared_device(drivers: &[DriverConfig]) -> Option<String> {
 mod tests {
     use super::*;
     use crate::config::tests::EXAMPLE;
+
+    #[test]
+    fn regress_a_check_with_the_rights_of_root_says_so() {
+        assert!(rights(0).is_some_and(|remark| remark.contains("sudo -u vibrissa-robot")));
+        assert_eq!(rights(1000), None);
+        let config = Config::from_toml_str(EXAMPLE, Path::new("")).unwrap();
+        assert_eq!(remarks(&config).iter().any(|remark| remark.contains("rights of root")), own_uid() == 0);
+    }
 
     #[test]
     fn regress_what_a_start_would_meet_is_refused_with_the_reason() {

@@ -151,6 +151,10 @@ impl Store {
         match (Self::open(address, "vibrissa (a command)").await, address) {
             (Ok(store), _) => {
                 store.prepare().await?;
+                // A long command does not keep a supervisor from its start.
+                if let Either::Sqlite((_, Some(lock))) = &*store.options {
+                    lock.release();
+                }
                 Ok(store)
             }
             (Err(StoreError::InUse { .. }), DatabaseAddress::Sqlite(path)) => {

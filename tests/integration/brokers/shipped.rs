@@ -1,5 +1,6 @@
 //! The shipped broker files, with the whole service and robots that keep the contract.
 
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::process::{Command, Output};
 
 use vibrissa_tests::certificates::{Authority, Validity, write};
@@ -50,10 +51,15 @@ async fn is_let_in(broker: &Mosquitto, user: &str, password: &str) -> bool {
 async fn a_robot_is_added_and_given_a_new_password() {
     let mut broker = shipped(PLAIN).start();
     let passwords = broker.folder().join("passwords").display().to_string();
+    // A new file would be the caller's with mode 0600, which the broker cannot read, and a container would still see the old one.
+    std::fs::set_permissions(&passwords, std::fs::Permissions::from_mode(0o644)).unwrap();
+    let file_of = |path: &str| std::fs::metadata(path).map(|found| (found.ino(), found.mode())).unwrap();
+    let file_before = file_of(&passwords);
     for password in ["first one", "second"] {
         let file = write(broker.folder(), "new", &format!("{password}\n"));
         let added = script("add-robot", &[&passwords, "lab", "three", &file.display().to_string()]);
         assert!(added.status.success(), "{added:?}");
+        assert_eq!(file_of(&passwords), file_before);
         broker.kill();
         broker.restart();
         assert!(is_let_in(&broker, "lab/three", password).await);

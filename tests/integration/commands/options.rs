@@ -225,3 +225,26 @@ fn a_watched_list_is_printed_again() {
     watching.wait().unwrap();
     assert_eq!(heads, 3);
 }
+
+/// Each made an empty database in the caller's folder, and said that all went well.
+#[test]
+fn regress_a_database_that_is_missing_is_named_and_not_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().canonicalize().unwrap();
+    let named = |text: &str| text.contains(&format!("database {}", place.join("vibrissa.sqlite3").display()));
+    for arguments in [vec!["token", "list"], vec!["token", "revoke", "x"], vec!["export", "contacts", "--csv", "c.csv"]]
+    {
+        let output = vibrissa(&arguments, &place);
+        let said = err(&output);
+        assert!(output.status.code() == Some(1) && named(&said) && said.contains("--database-url"), "{said}");
+        assert_eq!(std::fs::read_dir(&place).unwrap().count(), 0, "{arguments:?}");
+    }
+    // The first token may be older than the first start of the supervisor.
+    for is_new in [true, false] {
+        let output = vibrissa(&["token", "create", "--role", "viewer", "--all-fleets"], &place);
+        let said = err(&output);
+        out(&output);
+        assert!(said.contains("sqlite:vibrissa.sqlite3. It is shown only once"), "{said}");
+        assert_eq!(named(&said) && said.contains("is new"), is_new, "{said}");
+    }
+}

@@ -117,5 +117,8 @@ async fn the_command_lists_first_and_executes_on_request() {
     assert!(code == Some(2) && problem.contains("a key begins with a small letter"), "{problem}");
     let (code, output, _) = run(&["acknowledge-alarms", "--label", "hall", "--execute"]).await;
     assert_eq!((code, output.as_str()), (Some(0), "0 alarms\nnothing was to be done\n"));
+    let (code, output, _) = run(&["acknowledge-alarms", "--label", "hall", "--execute", "--json"]).await;
+    let answer: Value = serde_json::from_str(&output).expect("only JSON with --json");
+    assert_eq!((code, &answer["alarms"]), (Some(0), &json!(0)), "{answer}");
     running.service.stop().await;
 }

@@ -225,7 +225,10 @@ impl Agent {
                 self.announce(now, &mut out);
                 self.status(now, &mut out);
             }
-            Input::Disconnected => self.connected = false,
+            Input::Disconnected => {
+                self.connected = false;
+                self.supervision.waits(false, now.at);
+            }
             Input::Message(topic, payload) => self.receive(topic, payload, now, &mut out),
             Input::RequestToAll(payload, random) => self.requested_of_all(payload, random, now),
             Input::DriverStarted(from) => self.driver_started(from, now, &mut out),
@@ -258,6 +261,9 @@ impl Agent {
             self.announce(now, out);
         }
         self.resend(now, out);
+        if self.supervision.waits(self.messages_kept() > 0, now.at) {
+            out.push(Output::Warn(self.unanswered()));
+        }
         self.ask_back(out);
         self.know_chambers(now);
         self.report_change(now);
@@ -283,6 +289,7 @@ impl Agent {
             chambers.filter_map(Chamber::values_until).min(),
             self.under_way.iter().map(|one| one.until).min(),
             connected(self.births.due()),
+            connected(self.supervision.unanswered_at()),
             connected(Some(self.unknown_until.unwrap_or(self.status_at))),
             connected(self.outbox.resend_at()),
             connected(self.earlier.iter().filter_map(|boot| boot.outbox.resend_at()).min()),
@@ -324,6 +331,9 @@ impl Agent {
                 self.counts.messages_refused += 1;
                 return;
             }
+        }
+        if self.supervision.is_unanswered() {
+            out.push(Output::Warn("a supervisor answers".to_owned()));
         }
         self.supervision.heard(now.at);
     }

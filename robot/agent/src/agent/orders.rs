@@ -157,6 +157,16 @@ impl Agent {
         }
     }
 
+    /// What to do if no supervisor answers.
+    pub(super) fn unanswered(&self) -> String {
+        let fleet = &self.fleet;
+        let receipts = RobotTopic::Receipt.of(fleet, &self.robot);
+        format!(
+            "no supervisor answers for fleet {fleet}: start one with this fleet, or let the robot read {receipts} in the broker's \
+             access list"
+        )
+    }
+
     /// Behaves as the factsheet states after a long time without messages from the supervisor.
     pub(super) fn miss_supervisor(&mut self, now: Now, out: &mut Vec<Output>) {
         if !self.supervision.is_lost(now.at) {

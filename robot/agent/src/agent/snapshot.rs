@@ -155,6 +155,7 @@ impl Agent {
         let doubt = || chamber.stream.as_ref().and_then(|stream| remedy(stream.condition())).map(str::to_owned);
         let quiet = || contact_s.is_none_or(|quiet_s| quiet_s > QUIET_S).then(|| "touch the whisker".to_owned());
         let broker = || (!self.connected).then(|| "the broker is not connected: see the agent's log".to_owned());
-        advice.or_else(broker).or_else(doubt).or_else(unused).or_else(quiet)
+        let supervisor = || self.supervision.is_unanswered().then(|| self.unanswered());
+        advice.or_else(broker).or_else(supervisor).or_else(doubt).or_else(unused).or_else(quiet)
     }
 }

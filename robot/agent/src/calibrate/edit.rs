@@ -31,6 +31,34 @@ pub(super) fn with_value(text: &str, array: &Name, whisker: u16, key: &str, valu
     Ok(spliced(text, line_end..line_end, &format!("\n{indent}{key} = {value}")))
 }
 
+/// The text without a key of a whisker that has no dots; the same text if the key is not there.
+///
+/// # Errors
+/// A sentence: the whisker is not found.
+pub(super) fn without(text: &str, array: &Name, whisker: u16, key: &str) -> Result<String, String> {
+    let file = DeTable::parse(text).map_err(|problem| problem.message().to_owned())?;
+    let place = || format!("whisker {array}/{whisker} is not found in the file");
+    let found = whisker_in(file.get_ref(), array, whisker).ok_or_else(place)?;
+    let table = found.get_ref().as_table().ok_or_else(place)?;
+    let Some((name, value)) = table.iter().find(|(name, _)| name.get_ref() == key) else { return Ok(text.to_owned()) };
+    let (from, to) = (name.span().start, value.span().end);
+    if !text.get(found.span()).is_some_and(|inside| inside.starts_with('{')) {
+        // A line of its own, with its comment.
+        let line_start = text[..from].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[to..].find('\n').map_or(text.len(), |at| to + at + 1);
+        return Ok(spliced(text, line_start..line_end, ""));
+    }
+    // With the comma behind it, or of the last key with the one before.
+    let rest = text[to..].trim_start();
+    Ok(match rest.strip_prefix(',') {
+        Some(rest) => spliced(text, from..text.len() - rest.trim_start().len(), ""),
+        None => {
+            let before = text[..from].trim_end();
+            spliced(text, before.strip_suffix(',').unwrap_or(before).len()..to, "")
+        }
+    })
+}
+
 fn whisker_in<'a, 'i>(file: &'a DeTable<'i>, array: &Name, whisker: u16) -> Option<&'a Spanned<DeValue<'i>>> {
     let has = |table: &DeTable<'_>, key: &str, value: &str| match table.get(key).map(Spanned::get_ref) {
         Some(DeValue::String(text)) => text == value,
@@ -91,6 +119,25 @@ mod tests {
                     .join(end);
             let expected = text.replacen("first", "first\n  strain_max = 0.01", 1);
             assert_eq!(with_value(&text, &left(), 0, "strain_max", "0.01"), Ok(expected));
+        }
+    }
+
+    #[test]
+    fn regress_a_key_is_removed_where_it_stands() {
+        let with = with_value(EXAMPLE, &left(), 1, "strain_max", "0.012").unwrap();
+        assert_eq!(without(&with, &left(), 1, "strain_max").unwrap(), EXAMPLE);
+        assert_eq!(without(EXAMPLE, &left(), 1, "strain_max").unwrap(), EXAMPLE);
+        let inline = |keys: &str| format!("[[arrays]]\narray = \"left\"\nwhiskers = [{{ {keys} }}]\n");
+        let last = inline("whisker = 0, strain_max = 0.01");
+        assert_eq!(without(&last, &left(), 0, "strain_max").unwrap(), inline("whisker = 0"));
+        let first = inline("strain_max = 0.01 , whisker = 0");
+        assert_eq!(without(&first, &left(), 0, "strain_max").unwrap(), inline("whisker = 0"));
+        for end in ["\n", "\r\n"] {
+            let lines =
+                ["[[arrays]]", "array = \"left\"", "[[arrays.whiskers]]", "whisker = 0", "strain_max = 1e-2 # end"];
+            let text = [&lines[..], &["length_mm = 7", ""]].concat().join(end);
+            let expected = [&lines[..4], &["length_mm = 7", ""]].concat().join(end);
+            assert_eq!(without(&text, &left(), 0, "strain_max").unwrap(), expected);
         }
     }
 

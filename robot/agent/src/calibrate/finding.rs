@@ -70,7 +70,7 @@ pub(super) struct Finding {
     pub(super) verdict: Verdict,
     /// Reason of the verdict, and the remedy.
     pub(super) text: String,
-    /// Key of the whisker in `agent.toml`, and its value as TOML.
+    /// Key of the whisker in `agent.toml`, and its value as TOML; without a value the key goes.
     pub(super) change: Option<(String, String)>,
 }
 
@@ -86,6 +86,11 @@ impl Finding {
     /// With a value for `agent.toml`.
     pub(super) fn writes(self, key: &str, value: String) -> Self {
         Self { change: Some((key.to_owned(), value)), ..self }
+    }
+
+    /// Without a key in `agent.toml` that is wrong now.
+    pub(super) fn removes(self, key: &str) -> Self {
+        self.writes(key, String::new())
     }
 
     /// The line that is printed.
@@ -125,8 +130,10 @@ impl Findings {
         replace(path, &text)
     }
 
-    pub(super) fn has(&self, whisker: &str, step: Step) -> bool {
-        self.0.get(whisker).is_some_and(|steps| steps.contains_key(&step))
+    /// Whether a step is done: one that failed, or could not be measured, is done again after a repair.
+    pub(super) fn is_done(&self, whisker: &str, step: Step) -> bool {
+        let is_known = |finding: &Finding| matches!(finding.verdict, Verdict::Good | Verdict::Check);
+        self.0.get(whisker).and_then(|steps| steps.get(&step)).is_some_and(|found| found.iter().all(is_known))
     }
 
     pub(super) fn add(&mut self, whisker: &str, step: Step, findings: Vec<Finding>) {
@@ -169,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn findings_survive_the_end_of_the_program() {
+    fn regress_findings_survive_the_end_of_the_program_and_failed_steps_are_not_done() {
         let folder = std::env::temp_dir().join(format!("vibrissa-findings-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = Findings::path(&folder.join("agent.toml"));
@@ -178,13 +185,16 @@ mod tests {
         let finding = Finding::new("sign", "FALLS".to_owned(), Verdict::Good, "")
             .writes("segmenter.sign", "\"FALLS\"".to_owned());
         assert_eq!(finding.line("left/0"), "left/0 sign FALLS - good");
-        findings.add("left/0", Step::Sign, vec![finding, Finding::skipped("slide", "no line has deflection_mm")]);
+        findings.add("left/0", Step::Sign, vec![finding]);
+        findings.add("left/0", Step::Slide, vec![Finding::skipped("slide", "no line has deflection_mm")]);
+        findings.add("left/0", Step::Valves, vec![Finding::new("valves", String::new(), Verdict::Bad, "")]);
         findings.write(&path).unwrap();
         let again = Findings::read(&path).unwrap();
         assert_eq!(again, findings);
-        assert!(
-            again.has("left/0", Step::Sign) && !again.has("left/0", Step::Rest) && !again.has("left/1", Step::Sign)
-        );
+        // What failed or was skipped was never done again, and the second run said nothing of it.
+        let done = Step::ALL.into_iter().filter(|step| again.is_done("left/0", *step));
+        assert_eq!(done.collect::<Vec<_>>(), [Step::Sign]);
+        assert!(!again.is_done("left/1", Step::Sign));
         std::fs::write(&path, "{").unwrap();
         assert!(Findings::read(&path).unwrap_err().to_string().contains("--again"));
         std::fs::remove_dir_all(&folder).unwrap();

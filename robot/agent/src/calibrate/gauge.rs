@@ -147,12 +147,12 @@ pub(super) async fn scale(session: &mut Session<'_>, bench: &mut Bench) -> Resul
     let request = "Press Enter. Then deflect the whisker slowly as far as the robot ever will, hold it for two seconds, \
                    and let it go.";
     match touch(session, rest, request).await? {
-        Some(touch) => Ok(vec![scale_of(&touch, &rest, bench.strain_limit)]),
+        Some(touch) => Ok(vec![scale_of(&touch, &rest, bench.strain_limit, bench.strain_max)]),
         None => Ok(vec![Finding::new("largest strain", String::new(), Verdict::Bad, "no touch changed the strain")]),
     }
 }
 
-fn scale_of(touch: &Touch, rest: &Rest, limit: f64) -> Finding {
+pub(super) fn scale_of(touch: &Touch, rest: &Rest, limit: f64, strain_max: Option<f64>) -> Finding {
     let what = "largest strain";
     let value = format!("{} m/m", decimals(touch.strain(), 6));
     if let Some(end) = touch.end() {
@@ -168,6 +168,11 @@ fn scale_of(touch: &Touch, rest: &Rest, limit: f64) -> Finding {
     if touch.is_coarse() {
         let text = "whether the converter ends there is not known: its steps are coarse, and no line has deflection_mm";
         return Finding::new(what, value, Verdict::Check, text);
+    }
+    // Of an earlier calibration, with another amplifier. A larger one may be true: nobody has deflected the whisker so far.
+    if strain_max.is_some_and(|max| max < touch.strain()) {
+        let text = "the converter goes on beyond it: strain_max of agent.toml is too small";
+        return Finding::new(what, value, Verdict::Good, text).removes("strain_max");
     }
     Finding::new(what, value, Verdict::Good, "the converter goes on beyond it")
 }

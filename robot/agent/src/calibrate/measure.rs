@@ -242,6 +242,16 @@ mod tests {
         panic!("it never ends: {touch:?}");
     }
 
+    /// It was kept for ever: the supervisor limited every compensation by a gauge that was good again.
+    #[test]
+    fn regress_a_good_gauge_loses_the_smaller_end_of_an_earlier_calibration() {
+        let touch = touched(0.006, 0.0, 1.0, Some(300.0));
+        let change = |strain_max| crate::calibrate::gauge::scale_of(&touch, &rest_of(1e-5), 0.5, strain_max).change;
+        assert_eq!(change(Some(0.004)), Some(("strain_max".to_owned(), String::new())));
+        assert_eq!(change(Some(0.012)), None);
+        assert_eq!(change(None), None);
+    }
+
     #[test]
     fn rest_has_a_zero_a_noise_and_a_rate_in_spite_of_glitches() {
         let rest = rest_of(1e-5);

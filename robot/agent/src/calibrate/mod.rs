@@ -25,13 +25,15 @@ use measure::Rest;
 use session::{Ended, Place, Session, say};
 
 use crate::config::Config;
-use crate::store::file::StoreFile;
+use crate::store::file::{StoreError, StoreFile};
 
 /// Knowledge that the steps of one whisker share.
 struct Bench {
     /// The gauge at rest, if a driver sends its strain.
     rest: Option<Rest>,
     strain_limit: f64,
+    /// Largest strain that the gauge reads, in `agent.toml`.
+    strain_max: Option<f64>,
     max_mpa: f64,
     /// The sensor's reading at the empty chamber, and its noise.
     zero_mpa: Option<f64>,
@@ -62,7 +64,10 @@ fn decimals(value: f64, count: usize) -> String {
 /// An agent runs, a driver cannot be reached, or somebody stopped the calibration: its findings are kept.
 pub async fn calibrate(config: &Config, path: &Path, only: &[String], again: bool) -> anyhow::Result<()> {
     let lock = config.outbox_file.as_deref().map(StoreFile::lock).transpose();
-    let _lock = lock.context("end the agent first")?;
+    let _lock = lock.map_err(|problem| match problem {
+        StoreError::InUse(_) => anyhow::Error::from(problem).context("end the agent first"),
+        StoreError::Refused { .. } | StoreError::OtherVersion(_) => anyhow::Error::from(problem),
+    })?;
     let mut signals = StopSignals::install()?;
     let (sender, mut answers) = mpsc::channel(1);
     // It ends with the process: nothing interrupts a thread that waits for the terminal.
@@ -116,7 +121,7 @@ async fn one(
     kept: &Path,
 ) -> anyhow::Result<()> {
     let name = format!("{}/{}", place.0, place.1);
-    let todo: Vec<Step> = Step::ALL.into_iter().filter(|step| !findings.has(&name, *step)).collect();
+    let todo: Vec<Step> = Step::ALL.into_iter().filter(|step| !findings.is_done(&name, *step)).collect();
     if todo.is_empty() {
         say(&format!("{name}: all steps are done."));
         return Ok(());
@@ -128,6 +133,7 @@ async fn one(
     let mut bench = Bench {
         rest: None,
         strain_limit: config.limits.segmenter.strain_limit,
+        strain_max: facts.and_then(|one| one.strain_max),
         max_mpa: facts.map_or(0.0, |one| one.pressure_max_mpa),
         zero_mpa: None,
         noise_mpa: 0.0,
@@ -171,9 +177,16 @@ async fn offer(
         let name = format!("{}/{}", place.0, place.1);
         let steps = findings.0.get(&name).into_iter().flat_map(|steps| steps.values().flatten());
         for (key, value) in steps.filter_map(|finding: &Finding| finding.change.as_ref()) {
-            let edited = edit::with_value(&text, array, *whisker, key, value).map_err(anyhow::Error::msg)?;
-            if edited != text {
-                say(&format!("{name}: {key} = {value}"));
+            let edited = if value.is_empty() {
+                edit::without(&text, array, *whisker, key)
+            } else {
+                edit::with_value(&text, array, *whisker, key, value)
+            };
+            let edited = edited.map_err(anyhow::Error::msg)?;
+            match value.as_str() {
+                _ if edited == text => {}
+                "" => say(&format!("{name}: {key} is removed")),
+                value => say(&format!("{name}: {key} = {value}")),
             }
             text = edited;
         }

@@ -4,10 +4,17 @@ use vibrissa_protocol::OnSupervisorLoss;
 
 use super::Moment;
 
+/// Time without an answer to contacts after which a person is told, in microseconds.
+const ANSWER_US: u64 = 60_000_000;
+
 /// Time since the last message from the supervisor.
 #[derive(Debug)]
 pub struct Supervision {
     lost_after_us: u64,
+    /// Time since which contacts wait for an answer on this connection.
+    waiting: Option<Moment>,
+    /// A person was told that no supervisor answers, and none has since.
+    is_unanswered: bool,
     /// Time of the last message; `None` before the first one of this boot, and once the loss has been handled.
     heard: Option<Moment>,
 }
@@ -16,13 +23,39 @@ impl Supervision {
     /// A supervisor that counts as lost after this time without a message.
     #[must_use]
     pub fn new(lost_after_us: u64) -> Self {
-        Self { lost_after_us, heard: None }
+        Self { lost_after_us, waiting: None, is_unanswered: false, heard: None }
     }
 
     /// A valid message has arrived on one of the robot's own topics. An estimate that the robot has already is none: the
     /// broker has kept it.
     pub fn heard(&mut self, now: Moment) {
         self.heard = Some(now);
+        (self.waiting, self.is_unanswered) = (None, false);
+    }
+
+    /// Notes whether contacts wait for a receipt on a connection. True once if no answer has come for too long: another fleet, or
+    /// an access list of the broker, keeps every supervisor from this robot.
+    pub fn waits(&mut self, is_waiting: bool, now: Moment) -> bool {
+        if !is_waiting {
+            self.waiting = None;
+            return false;
+        }
+        let since = *self.waiting.get_or_insert(now);
+        let is_late = !self.is_unanswered && now >= since + ANSWER_US;
+        self.is_unanswered |= is_late;
+        is_late
+    }
+
+    /// Whether no supervisor has answered for too long.
+    #[must_use]
+    pub fn is_unanswered(&self) -> bool {
+        self.is_unanswered
+    }
+
+    /// Time at which a person is told unless an answer comes before.
+    #[must_use]
+    pub fn unanswered_at(&self) -> Option<Moment> {
+        self.waiting.filter(|_| !self.is_unanswered).map(|since| since + ANSWER_US)
     }
 
     /// The robot has restarted.

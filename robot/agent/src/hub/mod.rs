@@ -105,7 +105,10 @@ pub async fn run(config: Config, mut stopping: watch::Receiver<bool>) -> Result<
     });
     let monitor = async {
         match monitor {
-            Some(listener) => monitor::serve(listener, || hub.lock().agent.snapshot(now())).await,
+            Some(listener) => {
+                let shown = hub.clone();
+                monitor::serve(listener, move || shown.lock().agent.snapshot(now())).await;
+            }
             None => std::future::pending().await,
         }
     };
@@ -159,11 +162,8 @@ impl Hub {
         let spool = config.spool().map(open).transpose()?;
         stored.is_spooled = spool.as_ref().is_some_and(|spool| !spool.is_empty());
         let (agent, records) = Agent::new(config, boot_id(), stored, now());
-        if let Some(file) = &mut file {
-            file.replace(records)?;
-        }
         let (fleet, robot) = (agent.fleet().clone(), agent.robot().clone());
-        let store = file.map(|file| Store::new(file, spool));
+        let store = file.map(|file| Store::begin(file, spool, records));
         let state = State {
             agent,
             pending: VecDeque::new(),

@@ -34,8 +34,15 @@ pub(super) struct Store {
 }
 
 impl Store {
-    pub(super) fn new(file: StoreFile, spool: Option<Spool>) -> Self {
+    fn new(file: StoreFile, spool: Option<Spool>) -> Self {
         Self { file, spool, is_dirty: false, failed_at: None, owes: false, unreadable_at: None, unremoved: 0 }
+    }
+
+    /// Begins the file anew with the present state. A full disk does not keep the agent from its chambers.
+    pub(super) fn begin(file: StoreFile, spool: Option<Spool>, records: Vec<Record>) -> Self {
+        let mut store = Self::new(file, spool);
+        store.replace(records);
+        store
     }
 
     /// The file, if records were appended that may not be on the disk yet.
@@ -60,7 +67,11 @@ impl Store {
         if !is_due {
             return;
         }
-        match self.file.replace(records()) {
+        self.replace(records());
+    }
+
+    fn replace(&mut self, records: Vec<Record>) {
+        match self.file.replace(records) {
             Ok(()) => {
                 if self.failed_at.take().is_some() {
                     tracing::info!("the outbox is stored again");

@@ -130,6 +130,7 @@ impl StoreFile {
         // A lock file is empty. Nothing is written to another one, and its mode stays.
         if lock.metadata().map_err(&refused)?.len() == 0 {
             private::close_to_others(&lock).map_err(&refused)?;
+            private::give_to_owner(&lock, path).map_err(&refused)?;
         }
         Ok(lock)
     }
@@ -226,10 +227,11 @@ fn set_aside(path: &Path) -> std::io::Result<PathBuf> {
     Err(std::io::Error::from(std::io::ErrorKind::AlreadyExists))
 }
 
-/// Whether a file begins as ours, whole or torn.
+/// Whether a file begins as ours, whole or torn: what a power cut did not write is missing, or is read as zeros.
 fn is_head_of_ours(bytes: &[u8]) -> bool {
     let head = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
-    version_of(head).is_some() || (bytes.len() == head.len() && HEAD.as_bytes().starts_with(head))
+    let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    version_of(head).is_some() || HEAD.as_bytes().starts_with(&bytes[..written])
 }
 
 fn beside(path: &Path, ending: &str) -> PathBuf {

@@ -2,7 +2,7 @@
 
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{Error, Read as _, Result};
-use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt, fchown};
 use std::path::Path;
 
 use rustix::fs::OFlags;
@@ -45,6 +45,17 @@ fn checked(file: File) -> Result<File> {
 /// Closes a file to others. Call it only once the content shows that the agent has written the file.
 pub(super) fn close_to_others(file: &File) -> Result<()> {
     if file.metadata()?.mode() & 0o077 == 0 { Ok(()) } else { file.set_permissions(Permissions::from_mode(MODE)) }
+}
+
+/// Gives a new file of root to the owner of its folder: a calibration as root, before the first start, would keep the service's
+/// user from its own lock.
+pub(super) fn give_to_owner(file: &File, path: &Path) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let (found, owner) = (file.metadata()?, std::fs::metadata(folder)?);
+    if own_uid() == 0 && found.uid() == 0 && owner.uid() != 0 {
+        fchown(file, Some(owner.uid()), Some(owner.gid()))?;
+    }
+    Ok(())
 }
 
 fn explained(opened: Result<File>) -> Result<File> {

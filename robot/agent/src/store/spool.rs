@@ -50,19 +50,32 @@ pub struct Spool {
     done: Vec<u64>,
 }
 
+/// Makes a folder that is missing. A link of somebody else does not lead to another one.
+fn make(folder: &Path) -> Result<()> {
+    if std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir()) {
+        return Ok(());
+    }
+    DirBuilder::new().mode(0o700).create(folder)
+}
+
+fn is_full(problem: &std::io::Error) -> bool {
+    matches!(problem.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+}
+
 impl Spool {
     /// Opens a folder, which is created if it is missing, at the position up to which it was taken back.
     ///
     /// # Errors
     /// The operating system refuses.
     pub fn open(folder: &Path, from: Option<Position>, bytes_max: u64) -> Result<Self> {
-        // A link of somebody else does not lead to another folder.
-        if !std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir()) {
-            DirBuilder::new().mode(0o700).create(folder)?;
-        }
+        let found = match make(folder).and_then(|()| std::fs::read_dir(folder)) {
+            // It is made with the first segment.
+            Err(problem) if is_full(&problem) => None,
+            found => Some(found?),
+        };
         let from = from.unwrap_or_default();
         let mut segments = Vec::new();
-        for entry in std::fs::read_dir(folder)? {
+        for entry in found.into_iter().flatten() {
             let entry = entry?;
             let name = entry.file_name();
             // Other files are not the agent's.
@@ -116,6 +129,7 @@ impl Spool {
         let dropped = self.make_room(line.len() as u64);
         let is_full = self.segments.back().is_none_or(|last| last.bytes >= SEGMENT_BYTES);
         if self.writer.is_none() || is_full {
+            make(&self.folder)?;
             let file = private::create(&self.path(self.next_id))?;
             self.segments.push_back(Segment { id: self.next_id, bytes: 0 });
             (self.writer, self.next_id) = (Some(file), self.next_id + 1);

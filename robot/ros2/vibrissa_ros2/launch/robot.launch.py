@@ -1,6 +1,7 @@
 """The agent of a robot, and its ROS node: `ros2 launch vibrissa_ros2 robot.launch.py namespace:=crawler pressures:=gauge`.
 
-The agent's configuration has `unix = "/run/vibrissa/driver.sock"` in its section [driver].
+Both run as the user of the launch file. The agent's configuration has `unix = "/run/vibrissa/driver.sock"` in its section [driver].
+The folder must belong to that user: `sudo install -d -o $USER /run/vibrissa`, after each start of the machine.
 """
 
 from launch import LaunchDescription

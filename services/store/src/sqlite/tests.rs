@@ -113,3 +113,11 @@ async fn regress_a_damaged_file_is_refused_with_its_remedy() {
         assert!(folder.open().await.is_ok(), "{what}");
     }
 }
+
+#[tokio::test]
+async fn regress_a_command_that_works_for_long_lets_a_supervisor_start() {
+    let folder = Folder::new();
+    let command = Store::open_for_command(&DatabaseAddress::Sqlite(folder.file())).await.unwrap();
+    folder.open().await.unwrap();
+    command.close().await;
+}

@@ -83,6 +83,10 @@ impl Archive {
     ) -> anyhow::Result<bool> {
         let fleet = lease.fleet();
         store.begin_archives(std::slice::from_ref(fleet), wall_clock().0 as i64).await?;
+        // Before the file: an archive that fails from the start of the process is behind, too.
+        if let Some(archived_us) = store.archived_to(fleet).await? {
+            metrics.archive_position_timestamp_seconds.set(archived_us as f64 / 1e6);
+        }
         let planned = writer.plan_archive(lease, i64::try_from(self.every.as_micros()).unwrap_or(i64::MAX)).await?;
         if let Some(span) = planned {
             let archived = self.write(lease, store, writer, span).await?;
@@ -94,9 +98,6 @@ impl Archive {
                 let (path, Archived { contacts, bytes }) = (path(fleet, span), archived);
                 info!(%fleet, path, contacts, bytes, "contacts archived");
             }
-        }
-        if let Some(archived_us) = store.archived_to(fleet).await? {
-            metrics.archive_position_timestamp_seconds.set(archived_us as f64 / 1e6);
         }
         Ok(planned.is_some())
     }
@@ -156,7 +157,34 @@ fn is_lease_lost(problem: &anyhow::Error) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use vibrissa_store::{DatabaseAddress, Supervisor};
+
     use super::*;
+    use crate::metrics::Metrics;
+
+    /// The alert leaves out positions of 0. Such an archive had one until its first file.
+    #[tokio::test]
+    async fn regress_an_archive_that_fails_from_the_start_shows_its_position() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-archive-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let store = Store::open(&DatabaseAddress::Sqlite(folder.join("v.sqlite3")), "test").await.unwrap();
+        store.prepare().await.unwrap();
+        let (fleet, mut writer) = (Name::new("lab").unwrap(), store.writer());
+        let time_to_live = Duration::from_secs(600);
+        let supervisor =
+            Supervisor { id: "a".into(), name: "test".to_owned(), fleets: vec![fleet.clone()], time_to_live };
+        let lease = writer.acquire(&supervisor, &fleet).await.unwrap().unwrap();
+        // In place of an object store that refuses: nothing is planned without the lease.
+        writer.release(&lease).await.unwrap();
+        let url = format!("file://{}", folder.join("files").display());
+        let options = ArchiveOptions { url, every: Duration::from_secs(600), s3: Default::default() };
+        let (archive, metrics) = (Archive::open(&options).unwrap(), Metrics::new(false).unwrap().of_fleet(&fleet));
+        archive.next(&lease, &store, &mut writer, &metrics).await.unwrap_err();
+        let archived_us = store.archived_to(&fleet).await.unwrap().unwrap();
+        assert_eq!(metrics.archive_position_timestamp_seconds.get(), archived_us as f64 / 1e6);
+        store.close().await;
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 
     #[test]
     fn the_name_of_a_file_tells_fleet_day_and_span() {

@@ -73,6 +73,7 @@ pages! {
     "VibrissaSetpointFailed.md",
     "VibrissaSetpointsFailing.md",
     "VibrissaSupervisorDown.md",
+    "VibrissaUpkeepFailing.md",
     "VibrissaWebhookStuck.md",
     "VibrissaWhiskerFault.md",
     "VibrissaWhiskerUncompensated.md",

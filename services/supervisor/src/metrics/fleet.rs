@@ -353,6 +353,7 @@ impl FleetMetrics {
             &self.last_contact_timestamp_seconds,
             &self.compensation_error_limit_ratio,
             &self.mqtt_probe_round_trip_seconds,
+            &self.archive_position_timestamp_seconds,
         ] {
             gauge.set(0.0);
         }

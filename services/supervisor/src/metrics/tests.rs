@@ -64,9 +64,10 @@ fn a_fleet_that_is_elsewhere_has_nothing_here_and_its_quantities_are_not_shown()
     assert!(!text.contains("vibrissa_compensation_error_mean_ratio{case=\"SHORTER"), "{text}");
     of_fleet.log_ingest.set(1);
     of_fleet.rollout_stage.set(2);
+    of_fleet.archive_position_timestamp_seconds.set(3.0);
     of_fleet.forget();
     let text = shown(&metrics);
-    for gauge in ["vibrissa_kafka_ingest", "vibrissa_rollout_stage"] {
+    for gauge in ["vibrissa_kafka_ingest", "vibrissa_rollout_stage", "vibrissa_archive_position_timestamp_seconds"] {
         assert!(text.contains(&format!("{gauge}{{fleet=\"f\"}} 0")), "{text}");
     }
     assert!(text.contains("vibrissa_whiskers{fleet=\"f\",health=\"HEALTHY\"} 0"), "{text}");

@@ -173,8 +173,11 @@ impl Api {
         read(&url, answer)
     }
 
+    /// A path of the API, below the path of a proxy.
     fn at(&self, path: &str) -> anyhow::Result<Url> {
-        self.url.join(path).with_context(|| format!("invalid URL: {}{path}", self.url))
+        let mut base = self.url.clone();
+        base.set_path(&format!("{}/", base.path().trim_end_matches('/')));
+        base.join(path.trim_start_matches('/')).with_context(|| format!("invalid URL: {}{path}", self.url))
     }
 
     fn get(&self, url: &Url) -> anyhow::Result<Value> {
@@ -219,4 +222,24 @@ pub(super) fn number(row: &Value, field: &str, decimals: usize) -> String {
 /// A row's ratio in percent; `-` for null.
 pub(super) fn percent(row: &Value, field: &str) -> String {
     row[field].as_f64().map_or_else(|| "-".to_owned(), |ratio| format!("{:.1}", 100.0 * ratio))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The path was left out: the request, with its token, went to another application of the host.
+    #[test]
+    fn regress_requests_stay_below_the_path_of_a_proxy() {
+        for (url, expected) in [
+            ("https://h", "https://h/v1/whiskers"),
+            ("http://127.0.0.1:8080/", "http://127.0.0.1:8080/v1/whiskers"),
+            ("https://h/vibrissa", "https://h/vibrissa/v1/whiskers"),
+            ("https://h/halls/vibrissa/", "https://h/halls/vibrissa/v1/whiskers"),
+        ] {
+            let agent = ureq::Agent::config_builder().build().new_agent();
+            let api = Api { url: web_url(url).unwrap(), authorization: None, agent };
+            assert_eq!(api.at("/v1/whiskers").unwrap().as_str(), expected);
+        }
+    }
 }

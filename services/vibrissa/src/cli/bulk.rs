@@ -153,7 +153,11 @@ pub fn run(args: &BulkArgs, out: &mut impl Write) -> anyhow::Result<ExitCode> {
     }
     let begun = api.act(path, &args.body(Some(&dry)))?;
     let Some(action_id) = begun["action_id"].as_i64().filter(|_| begun[noun] != 0) else {
-        writeln!(out, "nothing was to be done")?;
+        if args.api.json {
+            writeln!(out, "{begun}")?;
+        } else {
+            writeln!(out, "nothing was to be done")?;
+        }
         return Ok(ExitCode::SUCCESS);
     };
     follow(args, &api, action_id, out)

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use vibrissa_protocol::plain;
 use vibrissa_protocol::text_file::read_text;
+use vibrissa_store::DatabaseAddress;
 
 use crate::config::keys::ValueKind;
 use crate::config::{self, Config, Key, Origin, Problem, Problems, Sources, show};
@@ -198,6 +199,20 @@ impl ConfigArgs {
         check(&self.sources()?)
     }
 
+    /// The database in the configuration. An SQLite file must exist: a command that only reads rows, or changes some, would
+    /// create an empty one, and find nothing there.
+    ///
+    /// # Errors
+    /// The configuration is invalid, or there is no such file.
+    pub fn read_database(&self) -> anyhow::Result<DatabaseAddress> {
+        let database = self.read()?.database;
+        if let Some(path) = missing(&database) {
+            let advice = "name that of the supervisor with --database-url sqlite:FILE, or with --config FILE";
+            anyhow::bail!("there is no database {}: {advice}", path.display());
+        }
+        Ok(database)
+    }
+
     /// Whether a key was given as a flag.
     #[must_use]
     pub fn is_given(&self, key: Key) -> bool {
@@ -237,6 +252,12 @@ impl ConfigArgs {
             Err(Problems(problems))
         }
     }
+}
+
+/// The whole path of an SQLite file that does not exist.
+pub(super) fn missing(database: &DatabaseAddress) -> Option<PathBuf> {
+    let DatabaseAddress::Sqlite(path) = database else { return None };
+    (!path.exists()).then(|| std::path::absolute(path).unwrap_or_else(|_| path.clone()))
 }
 
 fn check(sources: &Sources) -> Result<Config, Problems> {

@@ -89,7 +89,7 @@ pub fn run(args: &ExportArgs, out: &mut impl Write) -> anyhow::Result<()> {
         (None, None) => anyhow::bail!("name the file: --csv FILE or --parquet FILE"),
     };
     let which = Which { fleets: args.fleet.clone(), from_us: args.from, to_us: args.to };
-    let database = args.database.read()?.database;
+    let database = args.database.read_database()?;
     let rows = runtime()?.block_on(async {
         tokio::select! {
             rows = async {

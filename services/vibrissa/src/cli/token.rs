@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::bail;
 use clap::{Args, Subcommand};
 
-use super::config::DatabaseArgs;
+use super::config::{DatabaseArgs, missing};
 use super::serve::runtime;
 use super::table::Table;
 use super::words::one_of;
@@ -110,11 +110,14 @@ pub fn run(args: &TokenArgs, out: &mut impl Write) -> anyhow::Result<()> {
 }
 
 async fn open(database: &DatabaseArgs) -> anyhow::Result<Store> {
-    Ok(Store::open_for_command(&database.read()?.database).await?)
+    Ok(Store::open_for_command(&database.read_database()?).await?)
 }
 
 async fn create(args: &CreateArgs, out: &mut impl Write) -> anyhow::Result<()> {
-    let store = open(&args.database).await?;
+    // A token may be created before the first start of the supervisor.
+    let database = args.database.read()?.database;
+    let new_file = missing(&database);
+    let store = Store::open_for_command(&database).await?;
     let now_us = wall_clock().0 as i64;
     let scope = if args.all_fleets { Scope::All } else { Scope::of(args.fleet.iter().cloned()) };
     let new = NewToken {
@@ -126,8 +129,15 @@ async fn create(args: &CreateArgs, out: &mut impl Write) -> anyhow::Result<()> {
     };
     let (token, row) = token::create(&store, &new, now_us).await?;
     store.close().await;
+    if let Some(path) = new_file {
+        eprintln!(
+            "vibrissa: warning: the database {} is new. A supervisor with another one does not know the token: name its database \
+             with --database-url, and run this command as its user",
+            path.display()
+        );
+    }
     eprintln!(
-        "vibrissa: token {} ({}) for {}, valid until {}. It is shown only once:",
+        "vibrissa: token {} ({}) for {}, valid until {}, in {database}. It is shown only once:",
         row.token_id,
         row.role,
         row.fleets.as_deref().unwrap_or("all fleets"),

@@ -107,4 +107,9 @@ async fn grafana_is_told_of_the_one_broken_whisker_and_of_no_healthy_one() {
             assert_eq!(asked(&mut link, rule).await.len(), count, "{alert}, shelved until {until}");
         }
     }
+    // A robot that has vented a whisker by itself: Prometheus' alert of the pair tells of it, too.
+    let vented = "INSERT INTO alarms (whisker_id, raised_us, kind) VALUES (3, clock_us(), 'VENTED')";
+    sqlx::raw_sql(vented).execute(&mut link).await.unwrap();
+    let told = asked(&mut link, &rules["WhiskerSetpointFailed"]).await;
+    assert!(told.contains(&"paint/crawler/left/2".to_owned()), "{told:?}");
 }

@@ -463,3 +463,37 @@ fn a_driver_that_begins_anew_takes_no_fault_back_that_another_one_has_reported()
     bench.agent.chambers[0].begin(1);
     assert_eq!(bench.agent.chambers[0].condition(Now::of_us(bench.now_us)).1, Gauge::Short);
 }
+
+/// Neither the log nor the monitor said a word: the broker takes the contacts, and nobody receipts them.
+#[test]
+fn regress_a_supervisor_that_never_answers_is_told_once_with_what_to_do() {
+    let mut bench = Bench::running();
+    let told = |bench: &Bench| bench.warnings.iter().filter(|one| one.starts_with("no supervisor answers")).count();
+    let advice = |bench: &Bench| {
+        let snapshot = bench.agent.snapshot(Now::of_us(bench.now_us));
+        snapshot.whiskers.into_iter().map(|whisker| whisker.advice.unwrap_or_default()).collect::<Vec<_>>()
+    };
+    bench.touch(0);
+    bench.hold([0.1; 2], 59.0);
+    assert_eq!(told(&bench), 0, "{:?}", bench.warnings);
+    bench.hold([0.1; 2], 70.0);
+    assert_eq!(told(&bench), 1, "{:?}", bench.warnings);
+    let expected = format!(
+        "no supervisor answers for fleet {fleet}: start one with this fleet, or let the robot read whisker/v1/{fleet}/{robot}/receipt \
+         in the broker's access list",
+        fleet = bench.agent.fleet,
+        robot = bench.agent.robot
+    );
+    assert_eq!(advice(&bench), [expected.clone(), expected.clone()]);
+    bench.receipt("b1", 1);
+    assert_eq!(bench.warnings.last().map(String::as_str), Some("a supervisor answers"));
+    assert!(!advice(&bench).contains(&expected));
+    // A connection that is lost answers nothing, and is told in another way.
+    bench.touch(0);
+    bench.hold([0.1; 2], 30.0);
+    bench.step(Input::Disconnected);
+    bench.hold([0.1; 2], 120.0);
+    bench.step(Input::Connected);
+    bench.hold([0.1; 2], 30.0);
+    assert_eq!(told(&bench), 1, "{:?}", bench.warnings);
+}

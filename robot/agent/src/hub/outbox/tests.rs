@@ -177,3 +177,22 @@ async fn regress_a_segment_that_cannot_be_removed_is_tried_again_with_the_next_o
     store.spool.as_mut().unwrap().remove(&[1]).unwrap();
     assert_eq!(store.spool.as_ref().unwrap().done(), [0; 0]);
 }
+
+/// The agent ended, and five ends later systemd gave it up.
+#[test]
+fn regress_a_disk_that_is_full_at_the_start_does_not_keep_the_agent_from_its_chambers() {
+    let folder = Folder::new("full");
+    // In place of a full disk: the new file cannot be made.
+    let in_the_way = folder.0.join("outbox.new");
+    std::fs::create_dir(&in_the_way).unwrap();
+    let hub = folder.hub();
+    let mut state = hub.lock();
+    let State { agent, store: Some(store), .. } = &mut *state else { panic!("a store") };
+    assert!(store.failed_at.is_some());
+    std::fs::remove_dir(&in_the_way).unwrap();
+    store.failed_at = Instant::now().checked_sub(STORE_AGAIN);
+    store.renew(|| agent.records());
+    assert!(store.failed_at.is_none());
+    let stored = std::fs::read_to_string(folder.0.join("outbox")).unwrap();
+    assert!(stored.starts_with("vibrissa-robot outbox 1\n"), "{stored}");
+}

@@ -1,7 +1,7 @@
 //! Files that are whole, torn, damaged, full, or of others.
 
 use std::fs;
-use std::os::unix::fs::{PermissionsExt, symlink};
+use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 
 use vibrissa_protocol::{BootId, Name};
 
@@ -287,7 +287,7 @@ fn regress_files_of_somebody_else_keep_content_and_mode() {
         }
     }
     // A torn file of an earlier agent is replaced.
-    for torn in ["", "vibrissa-rob", "vibrissa-robot outbox 1\nx"] {
+    for torn in ["", "vibrissa-rob", "vibrissa-robot outbox 1\nx", "\0\0\0\0", "vibrissa-rob\0\0"] {
         fs::write(folder.0.join("outbox.new"), torn).unwrap();
         StoreFile::open(&folder.file(), 1 << 20).unwrap().0.replace(some_records()).unwrap();
     }
@@ -308,4 +308,15 @@ fn regress_no_earlier_copy_of_a_damaged_file_is_replaced() {
         assert_eq!(copies.len(), usize::min(at + 1, 10));
         assert!(copies.iter().all(|(aside, broken)| fs::read_to_string(aside).unwrap() == *broken));
     }
+}
+
+/// Only root can give files away, so others see only that their own file stays theirs.
+#[test]
+fn regress_a_lock_that_root_makes_belongs_to_the_owner_of_the_folder() {
+    let folder = Folder::new("owner");
+    let me = fs::metadata(&folder.0).unwrap().uid();
+    let owner = if me == 0 { 65_534 } else { me };
+    std::os::unix::fs::chown(&folder.0, Some(owner), None).unwrap();
+    let _lock = StoreFile::lock(&folder.file()).unwrap();
+    assert_eq!(fs::metadata(folder.0.join("outbox.lock")).unwrap().uid(), owner);
 }
