@@ -58,7 +58,7 @@ pub(super) struct Bench {
     /// Next numbers of requests, receipts, setpoints, requests to the fleet, and estimates.
     seqs: [u64; 5],
     version: u64,
-    commands: u64,
+    pub(super) commands: u64,
 }
 
 impl Bench {
