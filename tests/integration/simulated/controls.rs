@@ -70,12 +70,6 @@ fn robots_that_are_silent_because_the_supervisor_stands_still_are_found() {
     fault_is_found_by(&[Kind::SupervisorFrozen], Fault::StandstillCounts, Invariant::FaultIsTrue);
 }
 
-/// As an early version believed them: one setpoint in an hour of real faults went out twice.
-#[test]
-fn statuses_from_before_a_setpoint_that_count_are_found() {
-    fault_is_found_by(&[Kind::TopicsOvertake], Fault::LateStatusCounts, Invariant::SetpointForDecision);
-}
-
 #[test]
 fn events_that_count_as_delivered_before_the_request_are_found() {
     fault_is_found(Fault::DeliveredBeforeRequest, Invariant::WebhookDelivered);
