@@ -117,7 +117,7 @@ async fn tell_time(robot: &mut HandRobot) {
 
 #[tokio::test]
 async fn regress_a_list_that_refuses_receipts_is_named_until_it_allows_them() {
-    let mut stage = Stage::without("topic write whisker/v1/+/+/receipt");
+    let mut stage = Stage::without("topic readwrite whisker/v1/+/+/receipt");
     let mut robot = stage.robot().await;
     let expected =
         words(["rejects publications", "whisker/v1/f/r/receipt", "this user may not do it", "broker's access list"]);
@@ -179,7 +179,7 @@ async fn regress_a_list_that_keeps_receipts_from_robots_is_an_alarm_that_names_t
 
 #[tokio::test]
 async fn regress_a_list_that_refuses_setpoints_is_named_steadily_and_an_alarm() {
-    let mut stage = Stage::without("topic write whisker/v1/+/+/setpoint");
+    let mut stage = Stage::without("topic readwrite whisker/v1/+/+/setpoint");
     let mut robot = stage.robot().await;
     robot.settle().await;
     stage.supervisor.says(true, &[]).await;

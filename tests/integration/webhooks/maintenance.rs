@@ -133,7 +133,7 @@ async fn a_planned_or_foreign_maintenance_shelves_nothing_and_a_wrong_one_is_ref
     };
     let weekly = set(json!({ "from": in_hours(1), "repeats": "WEEKLY" })).await.json();
     assert_eq!((&weekly["state"], &weekly["repeats"]), (&json!("PLANNED"), &json!("WEEKLY")), "{weekly}");
-    assert_eq!(set(json!({ "fleet": "g" })).await.status, 201);
+    assert_eq!(set(json!({ "fleet": "g" })).await.status, 404, "there is no such fleet");
     assert_eq!(leak(&service).await["state"], json!("UNACKNOWLEDGED"));
     assert_eq!(set(json!({})).await.status, 201);
     assert_eq!(leak(&service).await["state"], json!("SHELVED"));
