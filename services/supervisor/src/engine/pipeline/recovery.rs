@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use tokio::time::Instant;
 use tracing::{error, info};
-use vibrissa_core::robot::Event;
 use vibrissa_core::robot::event::{Contact, WhiskerStatus};
+use vibrissa_core::robot::{Event, Outcome};
 use vibrissa_core::units::Micros;
 use vibrissa_protocol::{self as protocol, Message, Name, Received, RobotTopic};
 
@@ -221,25 +221,36 @@ impl Replay {
 
 impl ReplayedRobot {
     fn replay(&mut self, entry: &Entry, worker: &mut Worker) {
-        self.is_replayed = true;
         let (robots, stepper) = worker.parts();
         let Some(known) = robots.get_mut(&self.name) else { return };
         let boot_of = |boot: &i64| self.boots.get(boot).map_or("", String::as_str);
-        match &entry.event {
-            JournalEvent::Tick => stepper.replay(known, entry, &Event::Tick),
+        // A range of the log has also the records that changed nothing. A new owner that has had no others of a robot has
+        // journalled nothing of it, and its ticks do not count: the owner had excused the silence before.
+        self.is_replayed |= match &entry.event {
+            JournalEvent::Tick => {
+                stepper.replay(known, entry, &Event::Tick);
+                true
+            }
             // Not of one robot.
-            JournalEvent::Log { .. } | JournalEvent::TickAll { .. } => {}
+            JournalEvent::Log { .. } | JournalEvent::TickAll { .. } => false,
             JournalEvent::Contacts { boot, seq, contacts } => {
                 let contacts: Vec<Contact<'_>> = contacts.iter().filter_map(|one| one.contact(&self.arrays)).collect();
-                let event = Event::Contacts { boot_id: boot_of(boot), seq: *seq, contacts: &contacts, missed: &[] };
-                stepper.replay(known, entry, &event);
+                let boot_id = boot_of(boot);
+                let event = Event::Contacts { boot_id, seq: *seq, contacts: &contacts, missed: &[] };
+                let outcome = stepper.replay(known, entry, &event);
+                has_changed(outcome) || known.robot.has_gap(boot_id)
             }
             JournalEvent::Status { boot, robot_time, whiskers } => {
                 let whiskers: Vec<WhiskerStatus<'_>> =
                     whiskers.iter().filter_map(|one| one.status(&self.arrays)).collect();
                 let event = Event::Status { boot_id: boot_of(boot), robot_time: *robot_time, whiskers: &whiskers };
-                stepper.replay(known, entry, &event);
+                has_changed(stepper.replay(known, entry, &event))
             }
-        }
+        };
     }
+}
+
+/// Whether a step is journalled, or writes a checkpoint.
+fn has_changed(outcome: Outcome) -> bool {
+    matches!(outcome, Outcome::Taken | Outcome::BadTime)
 }

@@ -1,6 +1,6 @@
 //! Receipts of many robots, and robots that announce themselves.
 
-use super::super::commit::journal::JournalEvent;
+use super::super::commit::journal::{Journal, JournalEvent};
 use super::super::part::Part;
 use super::*;
 use crate::outbox::ToRobot;
@@ -68,6 +68,37 @@ fn robots_of_a_newer_program_get_no_tick_by_a_replay() {
     };
     // No robot has the number 0: it is the tick of all.
     assert_eq!((ticks(false), ticks(true)), (vec![0], vec![1, 2]));
+}
+
+/// A new owner had excused a robot's silence, and read nothing of it but a repeated message. The next owner replayed the message,
+/// and then the ticks of all for the robot: it was called silent.
+#[test]
+fn regress_a_robot_whose_records_changed_nothing_gets_no_tick_by_a_replay() {
+    let (mut live, mut world, mut tables) = (worker(1), World::new(1), Tables::default());
+    let name = Name::robot("r1").unwrap();
+    let contacts = [world.contact(1, PRESSURE_MPA)];
+    let message = protocol::Contacts {
+        boot_id: BootId::new("b").unwrap(),
+        seq: 0,
+        contacts: contacts.iter().map(as_sent).collect(),
+        missed: Vec::new(),
+    };
+    let event = Event::Contacts { boot_id: "b", seq: 0, contacts: &contacts, missed: &[] };
+    let (robots, stepper) = live.parts();
+    stepper.step(&mut robots[&name], world.now, &event, Some(Source { message: &message, boot: 1 }));
+    let silent = world.now.after(stepper.params_of(&name).health.stale_after).after(Micros(2));
+    live.batch_mut().checkpoints().make_due();
+    tables.write(seal(&mut live, world.now, &mut CheckpointRate::new(Micros(1))));
+
+    let mut journal = Journal::default();
+    journal.contacts(&live.robots()[&name], world.now, &event, Some(&message));
+    let before = journal.bytes();
+    journal.tick_all(before, silent, Part { number: 0, of: 1 });
+    let reading = JournalReading { number: 100, log_partition: 0, entries: journal.take().0 };
+    let (mut workers, mut replay) = (Workers::new(vec![worker(0)]), Replay::default());
+    replay.load(tables.stored(1), name.clone(), 7, &mut workers);
+    assert_eq!(replay.replay_row(&StoredEntries::new(reading), &LogRecords::new(), &mut workers), 1);
+    assert_eq!(workers.robot(&name).unwrap().robot.standing().count(), 0, "its owner had heard no more of it");
 }
 
 fn raw_message(robot: &str, kind: RobotTopic, payload: Vec<u8>) -> RawMessage {

@@ -259,9 +259,9 @@ impl Stepper {
 
     /// Replays an event of the journal. Its rows are already written, so only the open minutes and hours need its
     /// effects. Effects other than ordinary ones are new, because parameters have changed, and are recorded.
-    pub(crate) fn replay(&mut self, known: &mut KnownRobot, entry: &Entry, event: &Event<'_>) {
+    pub(crate) fn replay(&mut self, known: &mut KnownRobot, entry: &Entry, event: &Event<'_>) -> Outcome {
         let mut effects = Vec::new();
-        known.robot.step(self.params_of(&known.name), entry.now, event, &mut effects);
+        let outcome = known.robot.step(self.params_of(&known.name), entry.now, event, &mut effects);
         let mut written = Batch::default();
         for effect in effects {
             if !is_ordinary(&effect) {
@@ -276,6 +276,7 @@ impl Stepper {
                 known.history.keep_last(&mut written);
             }
         }
+        outcome
     }
 
     /// Accepts the last refused boot, once the limit allows it.
