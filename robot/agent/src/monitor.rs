@@ -130,7 +130,7 @@ mod tests {
     use crate::config::tests::EXAMPLE;
     use crate::store::Stored;
 
-    /// The second one waited for ever, without a word.
+    /// The second one waited without end and without a word.
     #[tokio::test]
     async fn regress_two_may_watch_at_once() {
         let path = std::env::temp_dir().join(format!("vibrissa-monitor-{}", std::process::id()));

@@ -143,6 +143,7 @@ fn values(key: Key) -> [&'static str; 3] {
         | Key::TouchTestsAfterPauseS
         | Key::TouchTestsEveryS
         | Key::TouchTestsEveryWithoutPlaceS => ["1.5", "60.0", "3600.0"],
+        Key::DetectionContactAngleDegMax => ["0.0", "20.0", "60.0"],
         Key::TouchTestsZeroSdMm => ["0.0", "0.5", "3.0"],
         Key::TouchTestsContactsBetweenSuspicions => ["10000.0", "1000000.0", "10000000.0"],
         key if Key::POLICY_NUMBERS.contains(&key) => ["0.125", "0.75", "1.5"],

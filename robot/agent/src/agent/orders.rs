@@ -157,7 +157,7 @@ impl Agent {
         }
     }
 
-    /// What to do if no supervisor answers.
+    /// Advice if no supervisor answers.
     pub(super) fn unanswered(&self) -> String {
         let fleet = &self.fleet;
         let receipts = RobotTopic::Receipt.of(fleet, &self.robot);

@@ -242,7 +242,7 @@ mod tests {
         panic!("it never ends: {touch:?}");
     }
 
-    /// It was kept for ever: the supervisor limited every compensation by a gauge that was good again.
+    /// It was never taken back: the supervisor limited every compensation by a gauge that was good again.
     #[test]
     fn regress_a_good_gauge_loses_the_smaller_end_of_an_earlier_calibration() {
         let touch = touched(0.006, 0.0, 1.0, Some(300.0));

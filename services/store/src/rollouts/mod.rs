@@ -231,15 +231,15 @@ impl Writer {
 }
 
 impl Store {
-    /// The roll-out of a fleet that is running or paused; `None` without one.
+    /// The roll-out of a fleet that is running or paused; `None` without one, or if its row is set aside.
     ///
     /// # Errors
     /// The database cannot be read.
     pub async fn open_rollout(&self, fleet: &str) -> Result<Option<RolloutRow>, StoreError> {
-        let stored: Option<Stored> =
+        let stored: Option<Tried<Stored>> =
             on!(&self.pool, |pool| sqlx::query_as(OPEN).bind(fleet).fetch_optional(pool).await)
                 .map_err(failed("read the roll-out"))?;
-        Ok(stored.map(Into::into))
+        Ok(stored.and_then(|row| self.set_aside.read("rollouts", row.map(Into::into))))
     }
 
     /// The events of a roll-out, the newest first.

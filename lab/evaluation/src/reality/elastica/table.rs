@@ -31,7 +31,7 @@ pub(in crate::reality) struct Bending {
     kept: RefCell<Vec<Table>>,
 }
 
-/// What the whiskers of a row have besides their mechanics.
+/// Properties of the whiskers of a row besides their mechanics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::reality) struct Nature {
     /// Coefficient of friction.

@@ -40,7 +40,7 @@ fn wall(g: &Geometry, at_mm: f64) -> (f64, f64) {
     ((mid_mm + g.t_mm).powi(2) - (mid_mm - g.t_mm).powi(2), mid_mm - g.t_mm)
 }
 
-/// Simpson's rule.
+/// Integral by Simpson's rule.
 fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     (to - from) / 6.0 * (f(from) + 4.0 * f(0.5 * (from + to)) + f(to))
 }
