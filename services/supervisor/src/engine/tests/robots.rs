@@ -76,7 +76,7 @@ fn robots_of_a_newer_program_get_no_tick_by_a_replay() {
 fn regress_a_robot_whose_records_changed_nothing_gets_no_tick_by_a_replay() {
     let (mut live, mut world, mut tables) = (worker(1), World::new(1), Tables::default());
     let name = Name::robot("r1").unwrap();
-    let contacts = [world.contact(1, PRESSURE_MPA)];
+    let contacts = [Contact { temperature_c: Some(20.0), ..world.contact(1, PRESSURE_MPA) }];
     let message = protocol::Contacts {
         boot_id: BootId::new("b").unwrap(),
         seq: 0,
