@@ -5,7 +5,6 @@ use vibrissa_core::units::{ContactRatio, Megapascal, Millimetre};
 
 use super::elastica::{Bending, Nature, Place};
 use super::nuisances::Nuisances;
-use super::whisker::{Habit, NOMINAL_MPA};
 
 /// How the gauge of a whisker answers to contacts.
 #[derive(Debug)]
@@ -21,13 +20,13 @@ pub(super) enum Mechanics {
 }
 
 impl Mechanics {
-    pub(super) fn new(model: Model, nuisances: &Nuisances) -> Self {
+    pub(super) fn new(model: Model, nominal_mpa: f64, nuisances: &Nuisances) -> Self {
         if nuisances.elastica {
             let (geometry, calibration) = (*model.geometry(), *model.calibration());
             let nature = Nature { friction: nuisances.friction, by_volume: nuisances.wall_by_volume };
             Self::Elastica(Box::new(Bending::new(geometry, calibration, nature)))
         } else {
-            let morphology = Box::new(model.morphology(Megapascal::known(NOMINAL_MPA)));
+            let morphology = Box::new(model.morphology(Megapascal::known(nominal_mpa)));
             Self::Core { model: Box::new(model), morphology }
         }
     }
@@ -46,15 +45,14 @@ impl Mechanics {
         }
     }
 
-    /// Log of the strain per mm by contact ratio, for a length and a pressure: the mean over the deflections of a robot.
-    pub(super) fn log_per_mm(&self, length_mm: f64, pressure_mpa: f64) -> ByRatio {
+    /// Log of the strain per mm by contact ratio, for a length and a pressure: the mean over these deflections.
+    pub(super) fn log_per_mm(&self, length_mm: f64, pressure_mpa: f64, deflections_mm: (f64, f64)) -> ByRatio {
         match self {
             Self::Core { model, .. } => {
                 model.log_sensitivities(Millimetre::known(length_mm), Megapascal::known(pressure_mpa))
             }
-            Self::Elastica(bending) => CONTACT_RATIOS.map(|ratio| {
-                bending.mean_log_per_mm(Place { ratio, length_mm, pressure_mpa }, Habit::ANY.deflections_mm)
-            }),
+            Self::Elastica(bending) => CONTACT_RATIOS
+                .map(|ratio| bending.mean_log_per_mm(Place { ratio, length_mm, pressure_mpa }, deflections_mm)),
         }
     }
 }

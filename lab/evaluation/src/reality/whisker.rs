@@ -161,7 +161,7 @@ impl Whisker {
         Self {
             mounted_deg: mounting.random_range(-MOUNTED_DEG..=MOUNTED_DEG),
             zero_mm,
-            mechanics: Mechanics::new(model, &nuisances),
+            mechanics: Mechanics::new(model, NOMINAL_MPA, &nuisances),
             nuisances,
             whole_mm,
             length_mm: whole_mm,
@@ -276,6 +276,6 @@ impl Whisker {
     /// deflections of a robot.
     #[must_use]
     pub fn log_sensitivities(&self, length_mm: f64, pressure_mpa: f64) -> ByRatio {
-        self.mechanics.log_per_mm(length_mm, pressure_mpa)
+        self.mechanics.log_per_mm(length_mm, pressure_mpa, Habit::ANY.deflections_mm)
     }
 }
