@@ -1,4 +1,4 @@
-//! What the page keeps and tells when a request fails, and what it makes of given answers. A script in the page gives them.
+//! A page whose requests fail, or get given answers: its contents and messages. A script in the page gives the answers.
 
 use serde_json::{Value, json};
 use vibrissa_tests::wait::until;

@@ -12,7 +12,7 @@ use crate::database::Either;
 use crate::sqlite::tests::Folder;
 use crate::{DatabaseAddress, Store};
 
-/// 2027-03-01T12:00:00Z
+/// The time 2027-03-01T12:00:00Z, µs since 1970 UTC.
 const NOON_US: i64 = 1_803_902_400_000_000;
 const NOW_US: i64 = NOON_US + 10 * DAY_US;
 const RETENTION: Retention = Retention { contacts_days: 5, minutes_days: 5, black_boxes_days: 5, records_days: 5 };

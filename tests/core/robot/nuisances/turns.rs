@@ -164,7 +164,7 @@ fn property_a_touch_test_tells_a_cut_from_a_turn() {
     }
 }
 
-/// What becomes of a turn and a cut.
+/// The history of a whisker with a turn and a cut.
 fn life(seed: u64, most_deg: f64, states_angle: bool) -> Vec<String> {
     let mut rig = Rig::new(seed, 1);
     rig.params.detection.contact_angle_deg_max = most_deg;

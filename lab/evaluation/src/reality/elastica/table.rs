@@ -18,7 +18,7 @@ const DEFLECTIONS: usize = 6;
 pub(super) const DEEPEST_MM: f64 = 6.5;
 /// Repetitions that find the place of a contact to 1e-6 mm.
 const REPETITIONS: u32 = 6;
-/// Tables that are kept: of the nominal pressure, a setpoint, and one on the way, with both signs of the friction.
+/// Number of tables in memory: of the nominal pressure, a setpoint, and one on the way, with both signs of the friction.
 const KEPT: usize = 6;
 
 /// How the gauge of one whisker answers to contacts, at any length and pressure.

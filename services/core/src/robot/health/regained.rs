@@ -52,8 +52,8 @@ impl Robot {
         self.suspect_length(index, loss_mm, effects);
     }
 
-    /// Puts the length of a whisker in doubt that may have lost this, mm, beside what was in doubt before: at most `most_mm` in
-    /// all. False if it goes on being taken for what it was: the loss is within the least doubt, or the whisker serves or was cut before.
+    /// Puts the length of a whisker in doubt that may have lost this, mm, beside its former doubt: at most `most_mm` in all.
+    /// False if its condition stays: the loss is within the least doubt, or the whisker serves or was cut before.
     pub(super) fn doubt_further(
         &mut self,
         params: &Params,

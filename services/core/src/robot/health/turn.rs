@@ -32,7 +32,7 @@ impl Whisker {
     }
 
     /// A change is called that is larger than any turn. A turn may be a part of it, or hide a part. So the interval of the length
-    /// holds both. What was in doubt before is a part of the change.
+    /// holds both. A former doubt is a part of the change.
     pub(super) fn exceeds_turn(&mut self, params: &Params, change: &Change, turn_max: f64) {
         let Some(model) = self.model(params).filter(|_| turn_max > 0.0) else { return };
         let (step, slope) = (change.as_step(), self.log_slope_with_length(model));

@@ -245,7 +245,8 @@ impl Workers {
         }
     }
 
-    /// Makes the retained messages of all robots due, and the clearing of those of former robots, because some may not have reached the broker.
+    /// Makes the retained messages of all robots due, and the clearing of those of former robots: some may not have reached
+    /// the broker.
     pub(crate) fn repeat_retained(&mut self) {
         for known in self.robots_mut() {
             known.estimates.repeat();
