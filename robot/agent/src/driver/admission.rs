@@ -77,9 +77,13 @@ pub(super) fn expect_own_peer(peer: SocketAddr, local: SocketAddr) -> io::Result
 /// connection counts only if nobody listens there any more.
 pub(super) fn expect_own_server(server: SocketAddr, local: SocketAddr) -> io::Result<()> {
     let tables = ["/proc/net/tcp", "/proc/net/tcp6"].map(|table| std::fs::read_to_string(table).unwrap_or_default());
+    expect_own_server_in(&tables, server, local)
+}
+
+fn expect_own_server_in(tables: &[String; 2], server: SocketAddr, local: SocketAddr) -> io::Result<()> {
     let mut listening = tables.iter().flat_map(|table| listeners_in(table, server)).peekable();
     if listening.peek().is_none() {
-        return expect_own_peer(server, local);
+        return require_own(tables.iter().find_map(|table| owner_in(table, server, local)), server);
     }
     listening.try_for_each(|uid| require_own(Some(uid), server))
 }
@@ -175,6 +179,30 @@ mod tests {
             assert_eq!(listeners("127.0.0.2:41253"), [8]);
             assert!(listeners("127.0.0.1:41254").is_empty());
             assert_eq!(in_table(address("[::1]:80")), "00000000000000000000000001000000:0050");
+        }
+    }
+
+    #[test]
+    fn regress_a_server_is_known_by_its_listening_socket_or_by_an_open_connection() {
+        let (own, other) = (own_uid(), own_uid().max(1000) + 1);
+        let (server, local): (SocketAddr, SocketAddr) =
+            ("127.0.0.1:41253".parse().unwrap(), "127.0.0.1:56036".parse().unwrap());
+        let row = |to: Option<SocketAddr>, state: &str, uid: u32| {
+            let to = in_table(to.unwrap_or(SocketAddr::from(([0, 0, 0, 0], 0))));
+            format!("0: {} {to} {state} 00000000:00000000 00:00000000 00000000 {uid} 0 1 1\n", in_table(server))
+        };
+        let (closing, connected) = (row(Some(local), "05", own), |uid| row(Some(local), ESTABLISHED, uid));
+        for (rows, admits) in [
+            (String::new(), false),
+            // Nothing tells the user of a connection that its program has closed.
+            (closing, false),
+            (connected(own), true),
+            (connected(other), false),
+            (row(None, LISTENS, own), true),
+            (row(None, LISTENS, other) + &connected(own), false),
+        ] {
+            let tables = [format!("header\n{rows}"), String::new()];
+            assert_eq!(expect_own_server_in(&tables, server, local).is_ok(), admits, "{rows}");
         }
     }
 
