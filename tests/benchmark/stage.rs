@@ -63,7 +63,9 @@ const DISTINCT: &str = "SELECT count(*) FROM (SELECT DISTINCT boot, seq, positio
 impl Store {
     /// Starts a new, empty PostgreSQL server.
     pub async fn postgres() -> Self {
-        Self::Postgres(Postgres::start().await)
+        let server = Postgres::start().await;
+        server.synchronise().await;
+        Self::Postgres(server)
     }
 
     /// Name of the database for the tables.

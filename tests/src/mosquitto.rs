@@ -1,5 +1,6 @@
 //! Runs a private Mosquitto on a free port with its files in a temporary folder.
 
+use std::fs::File;
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
@@ -350,15 +351,27 @@ impl Drop for Mosquitto {
     }
 }
 
-/// A port of 127.0.0.1 on which no process listens.
+/// A port of 127.0.0.1 on which no process listens. It stays this process's own until its end: no other test gets it.
 ///
 /// # Panics
 /// No free port is found.
 #[must_use]
 pub fn free_port() -> u16 {
+    let folder = std::env::temp_dir().join("vibrissa-test-ports");
+    std::fs::create_dir_all(&folder).expect("a folder for locks");
     // The standard library's hasher has a random seed, so tests that run in parallel try different ports.
     let any = || PORTS.start + (RandomState::new().build_hasher().finish() % PORTS.len() as u64) as u16;
-    (0..100).map(|_| any()).find(|&port| TcpListener::bind(("127.0.0.1", port)).is_ok()).expect("a free port")
+    let is_own = |port: &u16| {
+        let path = folder.join(port.to_string());
+        let locked = File::options().create(true).append(true).open(path).is_ok_and(|file| {
+            let locked = file.try_lock().is_ok();
+            // The lock ends with the process.
+            std::mem::forget(file);
+            locked
+        });
+        locked && TcpListener::bind(("127.0.0.1", *port)).is_ok()
+    };
+    (0..100).map(|_| any()).find(is_own).expect("a free port")
 }
 
 /// Starts the process and waits until it runs. None if it ends instead.

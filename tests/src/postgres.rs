@@ -1,6 +1,8 @@
-//! Runs a private PostgreSQL on a free port with its data in a temporary folder; `fsync` is on.
+//! Runs a private PostgreSQL on a free port with its data in a temporary folder. `fsync` is off: programs are killed, machines are
+//! not.
 
 use std::fs::File;
+use std::io::Write;
 use std::os::unix::fs::chown;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -68,6 +70,8 @@ impl Postgres {
             .output()
             .expect("PostgreSQL's server must be installed for this test");
         assert!(initdb.status.success(), "initdb: {}", String::from_utf8_lossy(&initdb.stderr));
+        let settings = File::options().append(true).open(folder.path().join("data/postgresql.conf"));
+        settings.and_then(|mut file| file.write_all(b"fsync = off\n")).expect("a file that initdb made just now");
         let mut server = Self { programs, folder, port: free_port(), process: None };
         server.restart().await;
         let mut connection = server.options("postgres").connect().await.expect("a server that answered just now");
@@ -84,6 +88,17 @@ impl Postgres {
         let server = Self::start().await;
         server.make_supervisor();
         server
+    }
+
+    /// Turns `fsync` on, for measurements.
+    ///
+    /// # Panics
+    /// The server does not answer.
+    pub async fn synchronise(&self) {
+        let mut connection = self.connect().connect().await.expect("a server that runs");
+        connection.execute("ALTER SYSTEM SET fsync = on").await.expect("a setting");
+        connection.execute("SELECT pg_reload_conf()").await.expect("a server that runs");
+        connection.close().await.expect("a connection of ours");
     }
 
     /// Runs the shipped `deploy/postgres/supervisor.sql` in the database.
@@ -171,7 +186,7 @@ impl Postgres {
         let process = server_command(self.programs.as_deref(), "postgres", self.folder.path())
             .args(["-D", "data", "-p", &self.port.to_string()])
             .args(["-c", "listen_addresses=127.0.0.1", "-c", "unix_socket_directories="])
-            .args(["-c", "fsync=on", "-c", "max_connections=100", "-c", "max_wal_size=4GB"])
+            .args(["-c", "max_connections=100", "-c", "max_wal_size=4GB"])
             .stderr(log)
             .spawn()
             .expect("PostgreSQL's server must be installed for this test");

@@ -19,6 +19,18 @@ struct State {
     cuts: u64,
     /// Whether no data passes.
     stalled: bool,
+    /// Number of pieces of data that pass, in both directions together, until the next cut.
+    left: Option<u64>,
+}
+
+impl State {
+    /// Counts a piece of data. Returns whether the link is cut instead.
+    fn is_last(&mut self) -> bool {
+        let is_cut = self.left == Some(0);
+        self.left = self.left.and_then(|left| left.checked_sub(1));
+        self.cuts += u64::from(is_cut);
+        is_cut
+    }
 }
 
 /// A listener that forwards everything to a server, in both directions. All its connections are cut on drop.
@@ -37,8 +49,8 @@ impl Proxy {
     pub async fn to(server_port: u16) -> Self {
         let listener = TcpListener::bind(("127.0.0.1", 0)).await.expect("a free port");
         let port = listener.local_addr().expect("a bound listener").port();
-        let (state, watched) = watch::channel(State::default());
-        let listening = tokio::spawn(listen(listener, SocketAddr::from(([127, 0, 0, 1], server_port)), watched));
+        let state = watch::Sender::new(State::default());
+        let listening = tokio::spawn(listen(listener, SocketAddr::from(([127, 0, 0, 1], server_port)), state.clone()));
         Self { port, state, listening }
     }
 
@@ -53,6 +65,11 @@ impl Proxy {
         self.state.send_modify(|state| state.cuts += 1);
     }
 
+    /// Closes every connection once so many more pieces of data have passed, in both directions together.
+    pub fn cut_after(&self, pieces: u64) {
+        self.state.send_modify(|state| state.left = Some(pieces));
+    }
+
     /// Silently stops all data, or lets it pass again together with the data that has waited.
     pub fn stall(&self, stalled: bool) {
         self.state.send_modify(|state| state.stalled = stalled);
@@ -65,7 +82,7 @@ impl Drop for Proxy {
     }
 }
 
-async fn listen(listener: TcpListener, server: SocketAddr, state: watch::Receiver<State>) {
+async fn listen(listener: TcpListener, server: SocketAddr, state: watch::Sender<State>) {
     let mut connections = JoinSet::new();
     loop {
         tokio::select! {
@@ -80,11 +97,11 @@ async fn listen(listener: TcpListener, server: SocketAddr, state: watch::Receive
 }
 
 /// Runs one connection until either side closes it or it is cut.
-async fn join(client: TcpStream, server: SocketAddr, state: watch::Receiver<State>) {
+async fn join(client: TcpStream, server: SocketAddr, state: watch::Sender<State>) {
     let born_at = state.borrow().cuts;
     let passing = async {
         // While the link is stalled, the client must not notice whether there is a server.
-        passable(&mut state.clone()).await;
+        passable(&mut state.subscribe()).await;
         let Ok(server) = TcpStream::connect(server).await else { return };
         // The two ends decide whether small messages are delayed; the link must not delay them.
         let _ = (client.set_nodelay(true), server.set_nodelay(true));
@@ -96,21 +113,26 @@ async fn join(client: TcpStream, server: SocketAddr, state: watch::Receiver<Stat
     };
     tokio::select! {
         () = passing => {}
-        () = is_cut(state.clone(), born_at) => {}
+        () = is_cut(state.subscribe(), born_at) => {}
     }
 }
 
 /// Forwards one direction. Unread data waits at the sender, which can send little more than passes.
-async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, mut state: watch::Receiver<State>) {
+async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, state: watch::Sender<State>) {
     let mut buffer = vec![0; BUFFER];
+    let mut watched = state.subscribe();
     while let Ok(length @ 1..) = from.read(&mut buffer).await {
-        passable(&mut state).await;
+        passable(&mut watched).await;
+        if state.send_if_modified(State::is_last) {
+            // The cut ends this connection.
+            pending::<()>().await;
+        }
         if to.write_all(&buffer[..length]).await.is_err() {
             return;
         }
     }
     // The end of a stream is delayed by a stall like data.
-    passable(&mut state).await;
+    passable(&mut watched).await;
     let _ = to.shutdown().await;
 }
 
@@ -178,6 +200,17 @@ mod tests {
         proxy.cut();
         assert!(!matches!(stream.read(&mut [0; 8]).await, Ok(1..)));
         says_again(&mut client(&proxy).await, b"two").await;
+    }
+
+    #[tokio::test]
+    async fn a_cut_comes_after_so_many_pieces() {
+        let proxy = Proxy::to(echo().await).await;
+        let mut stream = client(&proxy).await;
+        proxy.cut_after(3);
+        says_again(&mut stream, b"one").await;
+        stream.write_all(b"two").await.unwrap();
+        assert!(!matches!(stream.read(&mut [0; 8]).await, Ok(1..)), "the answer is the fourth piece");
+        says_again(&mut client(&proxy).await, b"three").await;
     }
 
     #[tokio::test]

@@ -8,7 +8,7 @@ use vibrissa_store::{Lease, Store, StoreError, Writer};
 use vibrissa_tests::wait::until;
 
 use crate::rows::{self, Numbered};
-use crate::{Fresh, fleet, supervisor};
+use crate::{Fresh, brief, fleet, supervisor};
 
 fn one(numbered: &Numbered, event_us: i64, state: &'static str) -> NewBlackBox {
     NewBlackBox {
@@ -36,7 +36,7 @@ async fn boxes(store: &Store) -> Vec<(String, i64)> {
 
 /// The fleet's first owner, with one robot.
 async fn taken(database: &Fresh) -> (Writer, Lease, Numbered) {
-    let (a, mut writer) = (supervisor("a"), database.store.writer());
+    let (a, mut writer) = (brief("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
     let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
     let numbered = rows::robot(&mut writer, &lease).await;

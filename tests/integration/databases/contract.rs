@@ -369,8 +369,7 @@ async fn contacts_are_the_same_to_the_last_bit() {
 async fn regress_states_that_are_written_again_and_again_take_no_more_room() {
     let database = Fresh::postgres().await;
     let mut writer = database.store.writer();
-    let mut own = supervisor("a");
-    own.time_to_live = std::time::Duration::from_secs(60);
+    let own = supervisor("a");
     writer.sign_in(&own, &[]).await.unwrap();
     let lease = writer.acquire(&own, &fleet()).await.unwrap().unwrap();
     let robot = rows::robot(&mut writer, &lease).await;

@@ -62,14 +62,19 @@ impl Fresh {
     }
 }
 
-/// A supervisor of fleet `f`.
+/// A supervisor of fleet `f`. Its time to live is also the time limit of its questions.
 fn supervisor(id: &str) -> Supervisor {
     Supervisor {
         id: id.into(),
         name: format!("supervisor {id}"),
         fleets: vec![Name::new("f").unwrap()],
-        time_to_live: std::time::Duration::from_millis(800),
+        time_to_live: std::time::Duration::from_secs(60),
     }
+}
+
+/// One whose leases lapse during the test.
+fn brief(id: &str) -> Supervisor {
+    Supervisor { time_to_live: std::time::Duration::from_secs(2), ..supervisor(id) }
 }
 
 fn fleet() -> Name {

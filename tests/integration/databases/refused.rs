@@ -229,8 +229,7 @@ impl Admin {
 }
 
 async fn begin(database: &Fresh) -> (Writer, Lease) {
-    let (mut a, mut writer) = (supervisor("a"), database.store.writer());
-    a.time_to_live = std::time::Duration::from_secs(600);
+    let (a, mut writer) = (supervisor("a"), database.store.writer());
     writer.sign_in(&a, &[]).await.unwrap();
     let lease = writer.acquire(&a, &fleet()).await.unwrap().unwrap();
     (writer, lease)

@@ -228,9 +228,9 @@ async fn a_killed_supervisor_is_replaced_and_nothing_is_lost_or_there_twice() {
 #[tokio::test]
 async fn a_supervisor_that_was_frozen_for_too_long_commits_nothing_and_stands_by() {
     let stage = Stage::new().await;
-    let mut a = stage.replica("a", "f", 1.0);
+    let mut a = stage.replica("a", "f", 2.5);
     until_true("a has it", async || stage.count_of("a").await == 1).await;
-    let b = stage.replica("b", "f", 1.0);
+    let b = stage.replica("b", "f", 2.5);
     b.says(200, "STANDBY").await;
     let fleet = stage.fleet("f");
     stage.more_recorded(200).await;
@@ -257,9 +257,9 @@ async fn an_estimate_of_a_former_owner_never_follows_one_of_the_next() {
         let Message::Estimate(estimate) = heard.message else { return None };
         Some((estimate.epoch, estimate.version))
     };
-    let mut a = stage.replica("a", "f", 1.0);
+    let mut a = stage.replica("a", "f", 2.5);
     until_true("a has it", async || stage.count_of("a").await == 1).await;
-    let b = stage.replica("b", "f", 1.0);
+    let b = stage.replica("b", "f", 2.5);
     b.says(200, "STANDBY").await;
     let fleet = stage.fleet("f");
     let mut orders = vec![observer.expect("an estimate of a", order).await];
@@ -303,9 +303,9 @@ async fn a_database_that_is_away_costs_nothing_and_readiness_says_so() {
 #[tokio::test]
 async fn regress_all_supervisors_are_ready_again_after_an_outage() {
     let mut stage = Stage::new().await;
-    let a = stage.replica("a", "f", 1.0);
+    let a = stage.replica("a", "f", 2.5);
     a.says(200, "OWNED").await;
-    let b = stage.replica("b", "f", 1.0);
+    let b = stage.replica("b", "f", 2.5);
     b.says(200, "STANDBY").await;
     let fleet = stage.fleet("f");
     stage.more_recorded(100).await;
