@@ -157,11 +157,15 @@ impl LeakTest {
         let loss = |index: usize| Loss { per_s: RATES_PER_S[index], sd: RATE_SD };
         let falls: [f64; RATES] = std::array::from_fn(|index| self.rates[index].fall(loss(index), &reading));
         let rises: [f64; GAINS] = std::array::from_fn(|at| self.rises[at].rise(loss(GAINS_AT[at]), &reading));
+        let likeliest = falls.iter().copied().fold(0.0, f64::max);
         let mut densities = [sound; LEAKS];
         densities[..RATES].copy_from_slice(&falls);
         for ((density, track), width) in densities[RATES..].iter_mut().zip(&mut self.widths).zip(WIDTHS_REFILLS) {
             let scattered = track.scatter(width, &reading);
-            if gap_s <= SCATTER_GAP_S && !is_new {
+            if gap_s > SCATTER_GAP_S && is_leaking {
+                // Refills as fast as the statuses are not seen over longer gaps: a leak that shows no rate either may end.
+                *density = likeliest.min(sound);
+            } else if gap_s <= SCATTER_GAP_S && !is_new {
                 *density = scattered;
             }
         }
@@ -182,9 +186,7 @@ impl LeakTest {
             self.bound();
         }
         let turns = if is_leaking {
-            // Over longer gaps nothing speaks for or against refills as fast as the statuses.
-            let told = if gap_s > SCATTER_GAP_S { RATES } else { LEAKS };
-            self.log_ratios[..told].iter().all(|&ratio| ratio <= -ENDED_AT)
+            self.log_ratios.iter().all(|&ratio| ratio <= -ENDED_AT)
         } else {
             self.habit.exceeded(&self.against_rises())
         };

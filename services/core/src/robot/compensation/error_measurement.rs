@@ -95,9 +95,13 @@ impl Robot {
         }
         let noise_variance = seen.noise_variance / seen.seen.sound.max(1e-3);
         let walk = whisker.walks.doubt().rate;
+        let before = running.after.contacts();
         running.after.add(seen.ratio, deviation, noise_variance, walk);
         running.refining.since_gain.add(seen.ratio, deviation, noise_variance, walk);
         let contacts = running.after.contacts();
+        if contacts < before {
+            running.refining.halve();
+        }
         let running = &self.head.compensations[at];
         effects.extend(self.response(params, running, (position, ratio), contact).map(Effect::Response));
         if self.states_no_place(index) {

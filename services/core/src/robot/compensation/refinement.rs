@@ -73,6 +73,11 @@ impl Refining {
         Self { steps: KEEPS_PRESSURE, ..Self::new(gain, carried) }
     }
 
+    /// All counts of contacts were halved. The next evaluation would otherwise be due at a count that is never reached.
+    pub(in crate::robot) fn halve(&mut self) {
+        self.due /= 2;
+    }
+
     /// Whether the pressure is the one that the chamber has, because of a fault when this was decided.
     pub(in crate::robot) fn keeps_pressure(&self) -> bool {
         self.steps >= KEEPS_PRESSURE

@@ -313,11 +313,6 @@ impl Whisker {
             && off <= REGAINED_WITHIN * lost + 2.0 * change.variance.sqrt() * slope.abs()
     }
 
-    /// Whether its offset has moved away from that while whole, and no cut explains it.
-    fn has_lost_response(&self) -> bool {
-        self.condition == Condition::SensitivityLoss || self.was_in_doubt()
-    }
-
     /// A whole whisker that is back at its nominal pressure shows its offset again: that of the last departure is outdated.
     pub(in crate::robot) fn renew_whole_offset(&mut self) {
         if self.condition == Condition::Healthy
@@ -346,10 +341,10 @@ impl Whisker {
         let moved_mpa = setpoint.mpa() - self.air.learned_at.mpa();
         if moved_mpa.abs() > 1e-3 {
             if self.is_at_nominal_pressure() {
-                let (present, has_lost) = (self.filter.whole_offset(), self.has_lost_response());
+                let (present, is_whole) = (self.filter.whole_offset(), self.condition == Condition::Healthy);
                 let before = &mut self.rare.get_or_insert().whole_offset;
-                // With a loss the present offset is not that of the whole whisker.
-                *before = before.filter(|_| has_lost).or(Some(present));
+                // After a loss the present offset is not that of the whole whisker, also after a cut that followed.
+                *before = before.filter(|_| !is_whole).or(Some(present));
             }
             if self.condition != Condition::Eroding {
                 self.filter.pressure_moved(moved_mpa, &params.filter);
