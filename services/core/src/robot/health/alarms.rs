@@ -108,7 +108,7 @@ impl Robot {
     /// Makes the next step raise the alarms that are due: the robot is supervised again. Silence counts from `now` on.
     pub fn review_alarms(&mut self, now: Micros) {
         self.listen_from(now);
-        self.whiskers.touch_all();
+        self.whiskers.review();
     }
 
     /// The standing alarms about the robot as a whole.

@@ -88,13 +88,15 @@ pub(in crate::robot) struct Whiskers {
     touched: IndexSet,
     /// Accessed since they were last taken for a checkpoint, up to the end of the last step.
     changed: IndexSet,
+    /// Whether the end of the next step evaluates all of them, also after a checkpoint meanwhile.
+    is_review_due: bool,
 }
 
 impl Whiskers {
     /// Whiskers as they are stored.
     pub(in crate::robot) fn stored(all: Vec<Whisker>) -> Self {
         let none = IndexSet::with_room_for(all.len());
-        Self { all, touched: none.clone(), changed: none }
+        Self { all, touched: none.clone(), changed: none, is_review_due: false }
     }
 
     /// Whiskers of a new layout, all of them changed.
@@ -124,9 +126,9 @@ impl Whiskers {
         self.touched.next(index)
     }
 
-    /// Makes the end of this step evaluate all whiskers.
-    pub(in crate::robot) fn touch_all(&mut self) {
-        (0..self.all.len()).for_each(|index| self.touched.insert(index));
+    /// Makes the end of the next step evaluate all whiskers.
+    pub(in crate::robot) fn review(&mut self) {
+        self.is_review_due = true;
     }
 
     fn end_step(&mut self) {
@@ -253,7 +255,8 @@ impl Robot {
             self.reconcile_all(params, now, effects);
             has_other_compensations |= self.note_basis();
         }
-        let of_all = self.tell_silence(now, effects) || has_other_compensations;
+        let is_review_due = std::mem::take(&mut self.whiskers.is_review_due);
+        let of_all = self.tell_silence(now, effects) || has_other_compensations || is_review_due;
         let mut next = self.first_from(0, of_all);
         while let Some(index) = next {
             self.tell_alarms(index, effects);

@@ -104,3 +104,39 @@ fn regress_a_robot_that_the_allow_list_excludes_raises_no_alarm() {
     assert_eq!(raised(&seal(&mut worker, silent, &mut rate)), 0, "nobody is responsible for it");
     assert_eq!(worker.robots()[&name].robot.standing().count(), 0);
 }
+
+/// A checkpoint between the exclusion and the next step made it miss alarms that were due: until the next status in a release
+/// build; a debug build panicked.
+#[test]
+fn regress_alarms_of_an_excluded_robot_survive_checkpoints() {
+    let mut worker = worker(1);
+    let name = Name::robot("r1").unwrap();
+    let now = Micros(2_000_000);
+    let mut rate = CheckpointRate::new(Micros(1));
+    let mut written = |worker: &mut Worker| {
+        worker.batch_mut().checkpoints().make_due();
+        seal(worker, now, &mut rate).records.iter().filter(|record| matches!(record, Record::Alarm(_))).count()
+    };
+    let (robots, stepper) = worker.parts();
+    let (regulator, gauge) = (RegulatorState::Ok, GaugeState::Open);
+    let pressure = robots[&name].robot.whisker(0).unwrap().setpoint;
+    let broken = WhiskerStatus { array: "a", whisker: 0, pressure, setpoint: pressure, regulator, gauge };
+    let event = Event::Status { boot_id: "b", robot_time: now, whiskers: &[broken] };
+    stepper.step(&mut robots[&name], now, &event, None);
+    assert_eq!(written(&mut worker), 1, "its gauge is broken");
+
+    let list = |worker: &mut Worker, names: Option<HashSet<Name>>| {
+        let mut listed = AllowList::default();
+        listed.set_listed(names);
+        worker.set_allow_list(listed);
+    };
+    list(&mut worker, Some(HashSet::new()));
+    written(&mut worker);
+    worker.step_robot(&name, now, &Event::PolicyChanged);
+    assert_eq!(written(&mut worker), 0, "nobody is responsible for it");
+
+    list(&mut worker, None);
+    assert_eq!(written(&mut worker), 0, "nothing has happened yet");
+    assert!(worker.tick(now, &Delayed::new(), usize::MAX));
+    assert_eq!(written(&mut worker), 1, "it is supervised again, and its gauge is still broken");
+}

@@ -221,6 +221,10 @@ impl Stepper {
         if known.robot.excuse_silence(self.params_of(&known.name), now, deaf_until) {
             self.batch.checkpoint(known);
         }
+        if known.is_excluded {
+            // Its alarms were withdrawn after the step before.
+            known.robot.review_alarms(now);
+        }
         let mut effects = std::mem::take(&mut self.effects);
         let outcome = known.robot.step(self.params_of(&known.name), now, event, &mut effects);
         if known.is_excluded {
