@@ -11,6 +11,7 @@ use super::database::{Either, Tx, on};
 use super::export::{CONTACTS, Cell, cell};
 use super::from_row::from_row;
 use super::model::{Model, none};
+use super::retention::oldest_contact;
 use super::retention::partitions::DAY_US;
 use super::set_aside::Tried;
 use super::{Lease, Store, StoreError, Writer, failed};
@@ -135,26 +136,30 @@ impl Writer {
     pub async fn plan_archive(&mut self, lease: &Lease, every_us: i64) -> Result<Option<Span>, StoreError> {
         const WHAT: &str = "plan a file of the archive";
         const SQL: &str = "UPDATE archives SET planned_to_us = $2 WHERE fleet = $1";
-        // A clock that was ahead began the archive: no position is beyond the horizon otherwise. A day more for clocks that were set
-        // back.
-        const BACK: &str = "UPDATE archives SET archived_to_us = $2 / $3 * $3 - $3 \
-             WHERE fleet = $1 AND archived_to_us > $2 AND planned_to_us IS NULL";
+        const BACK: &str = "UPDATE archives SET archived_to_us = $2 WHERE fleet = $1";
         self.attempt(WHAT, PATIENCE, none, async |link| {
             let mut tx = link.begin().await.map_err(failed(WHAT))?;
             lease.hold(&mut tx).await?;
             let fleet = lease.fleet().as_str();
             let horizon_us = horizon(&mut tx, fleet).await.map_err(failed(WHAT))?;
-            if let Some(horizon_us) = horizon_us {
+            let mut at = position(&mut tx, fleet).await.map_err(failed(WHAT))?;
+            // A clock that was ahead began the archive: no position is beyond the horizon otherwise. It begins anew with the oldest
+            // contact. A day more for clocks that were set back.
+            if let (Some(at), Some(horizon_us)) = (&mut at, horizon_us)
+                && at.archived_to_us > horizon_us
+                && at.planned_to_us.is_none()
+            {
+                let oldest_us = oldest_contact(&mut tx).await.map_err(failed(WHAT))?;
+                let least_us = oldest_us.map_or(horizon_us, |oldest_us| oldest_us.min(horizon_us));
+                at.archived_to_us = least_us.div_euclid(DAY_US) * DAY_US - DAY_US;
                 on!(&mut tx, |tx| sqlx::query(BACK)
                     .bind(fleet)
-                    .bind(horizon_us)
-                    .bind(DAY_US)
+                    .bind(at.archived_to_us)
                     .execute(&mut **tx)
                     .await
                     .map(drop))
                 .map_err(failed(WHAT))?;
             }
-            let at = position(&mut tx, fleet).await.map_err(failed(WHAT))?;
             let horizon_us = horizon_us.unwrap_or_default();
             let begun = at.and_then(|at| Some(Span { from_us: at.archived_to_us, to_us: at.planned_to_us? }));
             let new = at.and_then(|at| next_span(at.archived_to_us, horizon_us, every_us));

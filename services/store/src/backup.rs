@@ -89,6 +89,7 @@ impl Drop for Part {
     fn drop(&mut self) {
         // After success the file was renamed and does not exist; after a failure the caller gets the original error.
         let _ = std::fs::remove_file(&self.0);
+        let _ = std::fs::remove_file(beside(&self.0, "-journal"));
     }
 }
 
@@ -152,7 +153,8 @@ fn name(part: &Path, to: &Path, link: std::io::Result<()>) -> std::io::Result<()
     match link {
         Err(problem) if problem.kind() != ErrorKind::AlreadyExists => {
             File::create_new(to)?;
-            std::fs::rename(part, to)
+            // Otherwise an empty file would count as a back-up.
+            std::fs::rename(part, to).inspect_err(|_| drop(std::fs::remove_file(to)))
         }
         linked => linked.and_then(|()| std::fs::remove_file(part)),
     }
@@ -173,16 +175,18 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("vibrissa-backup-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let (from, to) = (folder.join("from"), folder.join("to"));
-        std::fs::write(&from, b"").unwrap();
+        // Another program locks the database, so that the copy waits, and SQLite writes nothing more once it is dropped.
+        let options = SqliteConnectOptions::new().filename(&from).create_if_missing(true);
+        let mut locking = options.connect().await.unwrap();
+        sqlx::raw_sql("CREATE TABLE one (value INTEGER); BEGIN EXCLUSIVE").execute(&mut locking).await.unwrap();
         let mut copying = Box::pin(copy(&from, &to, |_, _| {}));
         assert!(futures_util::poll!(&mut copying).is_pending());
         assert!(beside(&to, ".part").exists(), "it has begun");
         drop(copying);
-        // SQLite's thread may still open the database, which has temporary files beside it.
         let names = std::fs::read_dir(&folder).unwrap().map(|one| one.unwrap().file_name().into_string().unwrap());
         let left: Vec<String> = names.filter(|name| name.starts_with("to")).collect();
         assert!(left.is_empty(), "{left:?}");
-        // The thread may add a file meanwhile.
+        locking.close().await.unwrap();
         let _ = std::fs::remove_dir_all(&folder);
     }
 
@@ -193,6 +197,8 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let [part, to, other] = ["part", "to", "other"].map(|name| folder.join(name));
         let no_links = || Err(ErrorKind::PermissionDenied.into());
+        assert_eq!(name(&part, &to, no_links()).unwrap_err().kind(), ErrorKind::NotFound);
+        assert!(!to.exists(), "an empty file is no back-up");
         std::fs::write(&part, b"rows").unwrap();
         std::fs::write(&other, b"other").unwrap();
         assert_eq!(name(&part, &other, no_links()).unwrap_err().kind(), ErrorKind::AlreadyExists);

@@ -10,6 +10,7 @@ pub mod tables;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use boots::oldest_contact;
 pub use done::Done;
 
 use super::database::Either;

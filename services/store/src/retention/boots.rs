@@ -2,7 +2,7 @@
 
 use super::partitions::{self, CONTACTS, DAY_US};
 use super::{Done, ROWS};
-use crate::database::Either;
+use crate::database::{Either, Tx};
 use crate::{Store, StoreError, failed};
 
 /// Former boots of each robot, the newest ones left out, beginning with its oldest; `$1` is the time before which a boot must
@@ -14,6 +14,14 @@ const FORMER: &str = "SELECT boot FROM (SELECT boot, row_number() OVER (PARTITIO
      first_seen_us < (SELECT updated_us FROM robots r WHERE r.robot_id = b.robot_id)) p WHERE place > 4 LIMIT $2";
 /// The oldest contact that is left.
 const OLDEST: &str = "SELECT min(received_us) FROM contacts";
+
+/// A time of receipt that no contact is older than, as [`Store::oldest_contact`], within a transaction.
+pub(crate) async fn oldest_contact(tx: &mut Tx<'_>) -> sqlx::Result<Option<i64>> {
+    match tx {
+        Either::Sqlite(tx) => sqlx::query_scalar(OLDEST).fetch_one(&mut **tx).await,
+        Either::Postgres(tx) => partitions::oldest(tx, &CONTACTS).await,
+    }
+}
 
 impl Store {
     /// A time of receipt that no contact is older than, µs since 1970 UTC; none without contacts.
