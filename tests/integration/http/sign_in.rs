@@ -302,7 +302,7 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
     let provider = Provider::start().await;
     let served = provider.served().await;
     // Tokens that expire within 20 s are renewed at each request.
-    let short = json!({ "exp": now_us() / 1_000_000 + 10 });
+    let short = json!({ "exp": now_us() / 1_000_000 + 18 });
     let renewed = async |status: u16, answer_for: &dyn Fn(&str) -> Value| {
         let attempt = Attempt::begin(&served, "").await;
         let id_token = provider.id_token(&attempt.nonce, &json!({}));
@@ -353,7 +353,7 @@ async fn regress_a_renewal_continues_the_session_of_the_same_person_only() {
 /// A session whose tokens are renewed at the next request, at a provider whose refresh tokens are valid once.
 async fn due(provider: &Provider, served: &Served) -> String {
     let attempt = Attempt::begin(served, "").await;
-    let short = provider.access_token(&json!({ "exp": now_us() / 1_000_000 + 10 }));
+    let short = provider.access_token(&json!({ "exp": now_us() / 1_000_000 + 18 }));
     provider.gives(tokens(&short, Some(&provider.id_token(&attempt.nonce, &json!({})))));
     let session = cookie(&attempt.end(served, "").await);
     provider.tokens.is_strict.store(true, Ordering::SeqCst);

@@ -37,7 +37,7 @@ pub(in crate::http) const SESSION_S: i64 = 12 * 3600;
 /// Number of renewals that can be under way at once; those of one session follow each other.
 const RENEWALS: usize = 16;
 /// Number of reads of a session whose refresh token the provider refuses, and the pause between them.
-const READS: usize = 10;
+const READS: usize = 50;
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// Signs people in with the identity provider. Clones share their state.
@@ -224,18 +224,19 @@ impl SignIn {
             Err(Denial::Refused(what)) => return self.refused(store, cookie, &row, &what).await,
             Err(Denial::Away(what)) => return Err(away(&what)),
         };
-        match self.is_of_the_same_person(&tokens, &answer).await {
-            Ok(()) => {
-                let new = Tokens::of(&answer, Some(tokens));
-                if store.reseal_session(&row.session_id, &row.sealed, &seal(&new, &key)?).await? {
-                    return Ok(new);
-                }
-                // Another supervisor has stored its own meanwhile, or the session has ended.
-                opened(store, cookie).await?.map(|(_, tokens, _)| tokens).ok_or_else(session_ended)
-            }
-            Err(problem) if problem.kind == Kind::Unavailable => Err(problem),
-            Err(problem) => self.ends(store, &row, &problem.detail).await,
+        let checked = self.is_of_the_same_person(&tokens, &answer).await;
+        if let Err(problem) = &checked
+            && problem.kind != Kind::Unavailable
+        {
+            return self.ends(store, &row, &problem.detail).await;
         }
+        // Also without the provider's keys: the old refresh token is spent, and each use of the new tokens is checked.
+        let new = Tokens::of(&answer, Some(tokens));
+        if store.reseal_session(&row.session_id, &row.sealed, &seal(&new, &key)?).await? {
+            return checked.map(|()| new);
+        }
+        // Another supervisor has stored its own meanwhile, or the session has ended.
+        opened(store, cookie).await?.map(|(_, tokens, _)| tokens).ok_or_else(session_ended)
     }
 
     /// The tokens of a session whose refresh token the provider refuses. Another supervisor of this database may have used
