@@ -2,6 +2,7 @@
 
 import { pathOf } from "./address.js";
 import { h } from "./dom.js";
+import { report } from "./notices.js";
 
 const KEY = "vibrissa-views";
 const VIEWS_MAX = 50;
@@ -42,7 +43,8 @@ export function savedViews() {
     const shown = event.target.closest("details").querySelector("ul");
     const view = { name, address: location.hash };
     const others = read().filter((one) => !isSame(one, view));
-    if (others.length >= VIEWS_MAX) return shown.replaceChildren(...items(shown), h("li", { class: "hint" }, FULL));
+    // The page builds the list anew with each refresh.
+    if (others.length >= VIEWS_MAX) return report()(FULL, "bad", true);
     field.value = "";
     write([...others, view], shown);
   };

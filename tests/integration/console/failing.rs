@@ -114,7 +114,10 @@ async fn regress_what_the_page_derives_from_answers() {
     stage.browser.js(&format!("localStorage.setItem('vibrissa-views', {})", json!(json!(many).to_string()))).await;
     stage.browser.js("document.getElementById('view-name').value = 'one more'").await;
     stage.browser.click("document.querySelector('.saved button:not(.quiet)')").await;
-    stage.browser.until("the limit", "document.querySelector('.views').textContent.includes('delete one first')").await;
+    stage
+        .browser
+        .until("the limit", "document.getElementById('notices').textContent.includes('delete one first')")
+        .await;
     assert_eq!(stage.browser.js(&format!("{views}.length")).await, 50);
 
     // An hour whose minutes are stored from its 34th on.
@@ -125,20 +128,26 @@ async fn regress_what_the_page_derives_from_answers() {
     };
     let items = json!({ "hour": [row("2026-11-21T12:00:00Z", 300), row("2026-11-21T10:00:00Z", 20)],
                         "minute": [row("2026-11-21T12:35:00Z", 200), row("2026-11-21T12:34:00Z", 100)] });
+    let early = json!({ "hour": [row("2026-11-20T12:00:00Z", 300), row("2026-11-20T10:00:00Z", 20)], "minute": [] });
     stage
         .browser
         .js(&format!(
-            "{{ const [real, items] = [window.fetch, {items}]; window.fetch = async (path, options) => {{ \
+            "{{ const [real, items, early] = [window.fetch, {items}, {early}]; window.fetch = async (path, options) => {{ \
         if (path.includes('/contacts')) return new Response('{{\"items\":[]}}'); \
         if (!path.startsWith('{history}')) return real(path, options); \
-        const name = new URLSearchParams(path.split('?')[1]).get('resolution'); \
-        return new Response(JSON.stringify({{ items: items[name], next_cursor: null }})); }}; }}"
+        const query = new URLSearchParams(path.split('?')[1]), name = query.get('resolution'); \
+        const found = query.get('to') < '2026-11-21' ? early : items; \
+        return new Response(JSON.stringify({{ items: found[name], next_cursor: null }})); }}; }}"
         ))
         .await;
     let window = "{ from: Date.parse('2026-11-20T18:00Z'), to: Date.parse('2026-11-21T18:00Z') }";
     let whisker = "{ fleet: 'f', robot: 'r', array: 'left', whisker: 1 }";
     let rows = format!("(await it.rowsOf({whisker}, {window})).rows.map(({{ contacts }}) => contacts)");
     assert_eq!(called(&mut stage, "charts/data.js", &rows).await, json!([20, 100, 200]));
+    // No minutes are stored any more, and the window ends within an hour.
+    let window = "{ from: Date.parse('2026-11-20T08:00Z'), to: Date.parse('2026-11-20T12:30Z') }";
+    let rows = format!("(await it.rowsOf({whisker}, {window})).rows.map(({{ contacts }}) => contacts)");
+    assert_eq!(called(&mut stage, "charts/data.js", &rows).await, json!([20, 300]));
 
     // Version 1 by a person, version 2 by a roll-out, version 3 by a person.
     let version = |id: u32| json!({ "calibration_id": id, "model": "m", "version": id });

@@ -33,7 +33,7 @@ export async function rowsOf(whisker, window) {
     if (end - window.from > STEP_MS.hour) {
       const hours = await aggregates(whisker, { from: window.from, to: end }, "hour");
       // The minutes tell the contacts of the hour in which they begin.
-      rows.unshift(...hours.filter(({ until }) => until <= end));
+      rows.unshift(...hours.filter(({ until }) => !rows.length || until <= end));
     }
   }
   const since = rows.at(-1)?.until ?? window.from;
