@@ -17,7 +17,7 @@ const BY_ID: &str = "/dev/serial/by-id";
 /// Beginnings of the names of serial devices that a board may have.
 const NAMES: [&str; 5] = ["ttyACM", "ttyUSB", "ttyAMA", "serial", "rfcomm"];
 /// Speeds to try, the usual one first.
-const BAUDS: [u32; 5] = [115_200, 9_600, 57_600, 250_000, 1_000_000];
+const BAUDS: [u32; 6] = [115_200, 9_600, 57_600, 250_000, 500_000, 1_000_000];
 /// Time for the first speed: a board may restart when its device is opened.
 const FIRST: Duration = Duration::from_secs(5);
 /// Time for each other speed.

@@ -188,15 +188,15 @@ impl RosNode {
         mapping: Option<&Mapping>,
     ) -> Result<Option<SetpointTopic>, String> {
         let Some(mapping) = mapping else {
-            let own = self.publisher(&format!("{at}/setpoint"), ("sensor_msgs", "FluidPressure"))?;
+            let own = self.volatile(&format!("{at}/setpoint"), ("sensor_msgs", "FluidPressure"))?;
             return Ok(Some(SetpointTopic::FluidPressure(own)));
         };
         let Some(mapped) = mapping.setpoint_of(index) else { return Ok(None) };
         let kind = mapped.written.name();
         Ok(Some(match mapped.written {
-            SetpointType::FluidPressure => SetpointTopic::FluidPressure(self.publisher(&mapped.topic, kind)?),
-            SetpointType::Float64 => SetpointTopic::Float64(self.publisher(&mapped.topic, kind)?),
-            SetpointType::Float32 => SetpointTopic::Float32(self.publisher(&mapped.topic, kind)?),
+            SetpointType::FluidPressure => SetpointTopic::FluidPressure(self.volatile(&mapped.topic, kind)?),
+            SetpointType::Float64 => SetpointTopic::Float64(self.volatile(&mapped.topic, kind)?),
+            SetpointType::Float32 => SetpointTopic::Float32(self.volatile(&mapped.topic, kind)?),
         }))
     }
 
@@ -220,7 +220,21 @@ impl RosNode {
 
     /// A publisher whose newest message is also for subscribers that start later.
     fn publisher<M: Serialize>(&mut self, name: &str, kind: (&str, &str)) -> Result<Publisher<M>, String> {
-        let qos = reliable(Durability::TransientLocal, 1);
+        self.reliable_publisher(Durability::TransientLocal, name, kind)
+    }
+
+    /// A publisher of setpoints, which are repeated each second. A valve node that starts later gets no old one.
+    fn volatile<M: Serialize>(&mut self, name: &str, kind: (&str, &str)) -> Result<Publisher<M>, String> {
+        self.reliable_publisher(Durability::Volatile, name, kind)
+    }
+
+    fn reliable_publisher<M: Serialize>(
+        &mut self,
+        durability: Durability,
+        name: &str,
+        kind: (&str, &str),
+    ) -> Result<Publisher<M>, String> {
+        let qos = reliable(durability, 1);
         let topic = topic_of(&self.node, &self.scope.names, name, kind, &qos)?;
         self.node.create_publisher(&topic, None).map_err(failed)
     }

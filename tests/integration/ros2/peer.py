@@ -167,7 +167,7 @@ def publish_sensors(participant):
     wrenches = writer(participant, "rt/wrench", WrenchStamped, SENSOR_DATA)
     chambers = writer(participant, "rt/chamber", Float64, SENSOR_DATA)
     diagnostics = writer(participant, "rt/valves", DiagnosticArray, RELIABLE)
-    setpoints = reader(participant, "rt/valve_command", Float64, LATCHED)
+    setpoints = reader(participant, "rt/valve_command", Float64, RELIABLE)
     layout = MultiArrayLayout([MultiArrayDimension("gauge", 3, 3)], 0)
     while True:
         joints.write(JointState(header(), ["wheel", "slide_0"], [9.0, 0.0021], [], [1.0]))
@@ -217,7 +217,7 @@ def main():
     faults = writer(participant, f"rt{namespace}/faults", Fault, RELIABLE)
     readings = writer(participant, f"{whisker}/pressure", FluidPressure, SENSOR_DATA)
     strains = writer(participant, f"{whisker}/strain", Strain, SENSOR_DATA)
-    setpoints = reader(participant, f"{whisker}/setpoint", FluidPressure, LATCHED)
+    setpoints = reader(participant, f"{whisker}/setpoint", FluidPressure, RELIABLE)
     estimates = reader(participant, f"{whisker}/estimate", Estimate, LATCHED)
     reports = reader(participant, "rt/diagnostics", DiagnosticArray, RELIABLE)
     tests = TouchTests(participant, namespace)

@@ -284,7 +284,8 @@ class Robot:
             if isinstance(event, kind):
                 try:
                     function(event)
-                except Exception:
+                except BaseException:
+                    # `sys.exit()` ends no program from this thread, and would end the thread without a word.
                     _LOG.exception("a callback for %s failed", kind.__name__)
 
 

@@ -23,7 +23,7 @@ impl Script {
     /// The same with contacts in CBOR.
     pub(super) fn start_with_cbor(broker_port: u16, cut_after_s: f64) -> Self {
         let lines = block();
-        let json = lines.lines().find(|line| line.starts_with("    kept[tick] = ")).expect("the line of contacts");
+        let json = lines.lines().find(|line| line.starts_with("    payload = ")).expect("the line of contacts");
         Self::run(&lines.replace(json, blocks()[1].trim_end()), broker_port, cut_after_s)
     }
 
