@@ -37,18 +37,26 @@ export function withQuery(path, query) {
   return told.length ? `${path}?${new URLSearchParams(told)}` : path;
 }
 
+/** Time in which an answer must begin: the service itself needs 20 s at most. */
+const ANSWER_MS = 30_000;
+
 /** Sends a request; returns a successful answer or throws a `Problem`. */
 export async function ask(path, { method = "GET", headers = {}, body, signal } = {}) {
   const all = { ...headers };
   if (token()) all.Authorization = `Bearer ${token()}`;
   if (body !== undefined) all["Content-Type"] = "application/json";
   let answer;
+  const limit = new AbortController();
+  const timer = setTimeout(() => limit.abort(), ANSWER_MS);
+  const either = signal ? AbortSignal.any([signal, limit.signal]) : limit.signal;
   try {
     const text = body === undefined ? undefined : JSON.stringify(body);
-    answer = await fetch(path.replace(/^\//, ""), { method, headers: all, body: text, signal, cache: "no-store" });
+    answer = await fetch(path.replace(/^\//, ""), { method, headers: all, body: text, signal: either, cache: "no-store" });
   } catch (problem) {
     if (signal?.aborted) throw problem;
     throw new Problem({ detail: "The service does not answer." });
+  } finally {
+    clearTimeout(timer);
   }
   if (answer.ok) return answer;
   const told = await answer.json().catch(() => ({}));

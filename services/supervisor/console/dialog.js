@@ -67,7 +67,9 @@ function confirm(action, done) {
       tellResult(action, isDone, follow ?? (action.progress && ((say) => action.progress(told, say))));
       done();
     } catch (problem) {
-      answer.replaceChildren(problemPanel(problem));
+      // The user may have closed the dialog meanwhile.
+      if (dialog.isConnected) answer.replaceChildren(problemPanel(problem));
+      else report()(`${action.title}: ${problem.message}`, "bad", true);
     } finally {
       button.disabled = false;
     }

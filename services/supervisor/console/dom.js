@@ -40,13 +40,28 @@ function listen(element, type, handler) {
   if (!known) element.addEventListener(type, (event) => element[HANDLERS][type]?.call(element, event));
 }
 
-/** Turns the children of `old` into those of `next`, changing only differences. */
+/**
+ * Turns the children of `old` into those of `next`, changing only differences. Children that have disappeared go first: otherwise
+ * all later ones would be moved or made anew, and lose the focus and what somebody types.
+ */
 export function morphChildren(old, next) {
+  const all = [...next.childNodes];
+  const keys = new Set(all.map(keyOf));
   const kept = new Map();
-  for (const child of old.children) if (keyOf(child)) kept.set(keyOf(child), child);
+  for (const child of [...old.children]) {
+    if (!keyOf(child)) continue;
+    if (keys.has(keyOf(child))) kept.set(keyOf(child), child);
+    else child.remove();
+  }
   let place = old.firstChild;
-  for (const wanted of [...next.childNodes]) {
+  for (const [at, wanted] of all.entries()) {
     const named = kept.get(keyOf(wanted));
+    while (place && !keyOf(place) && !all.slice(at).some((one) => isAlike(place, one) && classOf(place) === classOf(one))) {
+      if (!named && isAlike(place, wanted)) break;
+      const gone = place;
+      place = place.nextSibling;
+      gone.remove();
+    }
     const match = named ?? (place && !keyOf(place) && isAlike(place, wanted) ? place : null);
     if (!match) {
       old.insertBefore(wanted, place);
@@ -66,6 +81,8 @@ export function morphChildren(old, next) {
 function keyOf(node) {
   return node.nodeType === Node.ELEMENT_NODE ? node.id || node.getAttribute("data-key") : null;
 }
+
+const classOf = (node) => (node.nodeType === Node.ELEMENT_NODE ? node.getAttribute("class") : null);
 
 function isAlike(one, other) {
   return one.nodeName === other.nodeName && !keyOf(other);

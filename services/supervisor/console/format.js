@@ -57,6 +57,7 @@ const AGES = [
 
 const DAY = { dateStyle: "medium" };
 const CLOCK = { timeStyle: "medium" };
+const YEAR = { year: "numeric" };
 const SHORT = { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" };
 
 /** A moment in the console's time zone: "10:15:03 CET", with the date unless it is today. */
@@ -72,7 +73,8 @@ export function time(at) {
   if (!at) return NONE;
   const when = new Date(at);
   const isToday = dateFormat(DAY).format(when) === dateFormat(DAY).format(Date.now());
-  return stamped(at, isToday ? dateFormat(CLOCK).format(when) : dateFormat(SHORT).format(when));
+  const isThisYear = dateFormat(YEAR).format(when) === dateFormat(YEAR).format(Date.now());
+  return stamped(at, dateFormat(isToday ? CLOCK : isThisYear ? SHORT : { ...SHORT, ...YEAR }).format(when));
 }
 
 /** The age of a time, short: "5 min". The tooltip has the time. */

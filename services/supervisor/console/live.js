@@ -73,7 +73,10 @@ export class Live {
     if (!isAnswered) this.#tell("offline");
     else if (!has("GET", "/v1/events")) this.#tell("polling");
     else if (this.#state === "offline") this.#tell("reconnecting");
-    if (isAnswered) this.#begin();
+    if (!isAnswered) return;
+    // After a sign-in in another tab.
+    if (this.#abort?.signal.aborted) this.start();
+    else this.#begin();
   }
 
   #tell(state) {
@@ -105,11 +108,13 @@ export class Live {
       try {
         await this.#stream(stopped);
       } catch (problem) {
-        if (stopped.aborted || problem.status === 401 || problem.status === 403) return;
-        this.#tell(problem.isSilence || !navigator.onLine ? "offline" : "reconnecting");
+        if (stopped.aborted) return;
+        // The page asks for a sign-in, also out of sight, and that ends this stream.
+        if (problem.status === 401 || problem.status === 403) this.#onChange();
+        else this.#tell(problem.isSilence || !navigator.onLine ? "offline" : "reconnecting");
       }
       if (stopped.aborted) return;
-      if (this.#state === "live") this.#tell("reconnecting");
+      // The service ends each stream after a while: only a failed attempt is told.
       await this.#pause();
     }
   }
@@ -129,6 +134,7 @@ export class Live {
       const silence = setTimeout(() => broken.abort(), SILENCE_MS);
       const { done, value } = await reader.read().finally(() => clearTimeout(silence));
       if (done) return;
+      this.#tell("live");
       this.#retries = 0;
       parser.push(value).forEach((event) => this.#heard(event));
     }

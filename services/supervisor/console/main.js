@@ -7,7 +7,7 @@ import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { navigation, startMenu } from "./menu.js";
 import { problemPanel, report } from "./notices.js";
-import { heard, startNotifications } from "./notify.js";
+import { heard, startNotifications, tellSignedOut } from "./notify.js";
 import { openAlarms } from "./parts/alarm-count.js";
 import { badge, forget, identify, isKnown, isSession } from "./rights.js";
 import { find } from "./router.js";
@@ -78,6 +78,7 @@ async function show(isNavigation) {
 async function failed(problem, isNavigation) {
   if (problem.status === 401) {
     live.stop();
+    tellSignedOut();
     const wasKnown = isKnown();
     forget();
     return signInForm(problem, { isOffered: await offersSignIn(), wasKnown }, start);

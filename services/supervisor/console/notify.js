@@ -21,6 +21,8 @@ function isOn() {
 }
 
 let waiting = [];
+/** Alarms that were notified since the page was last in sight. */
+let unseen = [];
 
 /** Takes an event of the service's stream; a new alarm that is more than a warning becomes a notification. */
 export function heard({ event, data }) {
@@ -38,12 +40,17 @@ async function tell() {
   const windows = await activeMaintenance().catch(() => []);
   const alarms = raised.filter((alarm) => !isIn(windows, alarm));
   if (!alarms.length) return;
+  unseen = [...alarms, ...unseen];
   const line = ({ robot, array, whisker, alarm }) =>
     `${robot}${array ? ` ${array} ${whisker}` : ""}: ${say(ALARM_KINDS, alarm.kind)}`;
-  const more = alarms.length > NAMED_MAX ? [`and ${alarms.length - NAMED_MAX} more`] : [];
-  const body = [...alarms.slice(0, NAMED_MAX).map(line), ...more].join("\n");
-  const title = alarms.length === 1 ? "New alarm" : `${alarms.length} new alarms`;
-  const shown = new Notification(title, { body, icon: "console/icon.svg", tag: "vibrissa-alarms" });
+  const more = unseen.length > NAMED_MAX ? [`and ${unseen.length - NAMED_MAX} more`] : [];
+  const body = [...unseen.slice(0, NAMED_MAX).map(line), ...more].join("\n");
+  notify(unseen.length === 1 ? "New alarm" : `${unseen.length} new alarms`, body);
+}
+
+/** Replaces the notification before, with a signal of its own. */
+function notify(title, body) {
+  const shown = new Notification(title, { body, icon: "console/icon.svg", tag: "vibrissa-alarms", renotify: true });
   shown.onclick = () => {
     focus();
     location.hash = "#/alarms";
@@ -51,9 +58,17 @@ async function tell() {
   };
 }
 
+/** Says that no alarm is notified any more, because the session has ended. */
+export function tellSignedOut() {
+  if (isOn() && document.hidden) notify("Signed out", "Sign in again: until then no alarm is notified.");
+}
+
 /** Makes a button that switches the notifications; a browser without them hides it. */
 export function startNotifications(button) {
   button.hidden = !isOffered();
+  document.addEventListener("visibilitychange", () => {
+    if (!document.hidden) unseen = [];
+  });
   const show = () => {
     button.setAttribute("aria-pressed", String(isOn()));
     button.textContent = isOn() ? "Notifications of alarms: on" : "Notify me of alarms";

@@ -222,3 +222,62 @@ async fn regress_a_link_to_an_alarm_shows_it_beside_any_list() {
     stage.browser.until("that it is gone", gone).await;
     stage.stop().await;
 }
+
+/// The stream ended for ever after one refusal, and a hidden page told nobody.
+#[tokio::test]
+async fn regress_the_stream_of_events_comes_back_after_a_refusal() {
+    let mut stage = start().await;
+    stage.open("#/fleets").await;
+    let again = "new Promise((done) => { let asked = 0; \
+                 const live = new it.Live(() => { asked += 1; window.stubs = []; }, \
+                                          (state) => { if (state === 'live') { live.stop(); done(asked); } }, () => {}); \
+                 window.stubs = [['GET', 'v1/events', 401, {}]]; live.start(); })";
+    assert_eq!(called(&mut stage, "live.js", again).await, 1, "the page is asked for a sign-in");
+    let signed_in = "new Promise((done) => { \
+                     const live = new it.Live(() => {}, (state) => { if (state === 'live') { live.stop(); done(true); } }, () => {}); \
+                     live.start(); live.stop(); live.told(true); })";
+    assert_eq!(called(&mut stage, "live.js", signed_in).await, true, "somebody has signed in in another tab");
+    stage.stop().await;
+}
+
+#[tokio::test]
+async fn regress_a_part_that_disappears_takes_no_focus_from_others() {
+    let mut stage = start().await;
+    stage.open("#/fleets").await;
+    let after = "{ const { h } = it; const part = (key) => h('section', { 'data-key': key }, h('button', { id: `b-${key}` }, key)); \
+                 const form = () => h('form', {}, h('input', { id: 'typed' })); \
+                 const lines = (...all) => all.map((name) => h('p', { class: name }, name)); \
+                 const old = h('div', {}, lines('summary', 'marks'), form(), part('one'), lines('hint'), part('two')); \
+                 document.body.append(old); const kept = []; \
+                 for (const [id, next] of [['typed', [lines('summary'), form(), part('one'), lines('hint'), part('two')]], \
+                                           ['b-two', [lines('summary'), form(), part('two')]], \
+                                           ['typed', [lines('summary', 'marks'), form(), part('three'), part('two')]]]) { \
+                   document.getElementById(id).focus(); it.morphChildren(old, h('div', {}, next)); \
+                   kept.push(document.activeElement.id, old.textContent); } \
+                 old.remove(); return kept; }";
+    let kept = called(&mut stage, "dom.js", after).await;
+    let expected = json!(["typed", "summaryonehinttwo", "b-two", "summarytwo", "typed", "summarymarksthreetwo"]);
+    assert_eq!(kept, expected);
+    stage.stop().await;
+}
+
+/// The refusal was written into a dialog that was closed already.
+#[tokio::test]
+async fn regress_a_refusal_after_the_dialog_was_closed_is_told() {
+    let mut stage = start().await;
+    stage.open("#/fleets/f/robots/r").await;
+    stage
+        .browser
+        .click("[...document.querySelectorAll('main button')].find((one) => one.textContent.startsWith('Hold'))")
+        .await;
+    stage.browser.until("the dialog", "document.querySelector('dialog form') !== null").await;
+    let refused = json!([["POST", "v1/", 202, { "state": "PENDING", "action_id": 9 }],
+                         ["GET", "v1/actions/9", 200, { "state": "REJECTED", "problem": "the robot is away" }]]);
+    answers(&mut stage, &refused).await;
+    let leave = "{ document.querySelector('dialog [name=reason]').value = 'x'; document.querySelector('dialog form').requestSubmit(); \
+                 document.querySelector('dialog').close(); }";
+    stage.browser.js(leave).await;
+    let bad = format!("{NOTICES}.querySelector('.notice.bad')?.textContent.includes('the robot is away')");
+    stage.browser.until("the refusal", &bad).await;
+    stage.stop().await;
+}

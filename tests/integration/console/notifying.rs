@@ -10,8 +10,9 @@ const RECORDER: &str = "(() => {
     window.Notification = class {
         static permission = 'granted';
         static requestPermission = async () => 'granted';
-        constructor(title, { body }) {
-            window.told.push(`${title}: ${body}`);
+        constructor(title, { body, renotify }) {
+            // Without it a second notification would replace the first one silently.
+            window.told.push(renotify ? `${title}: ${body}` : 'silent');
             document.body.dataset.told = window.told.length;
         }
     };

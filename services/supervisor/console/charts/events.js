@@ -33,7 +33,7 @@ export async function eventsOf(whisker, window, { rows, setpoints }) {
     newest("/v1/trims", { ...where, ...within }),
     newest("/v1/alarms", where),
     newest("/v1/compensations", decisions),
-    newest("/v1/audit", { fleet, robot }),
+    newest("/v1/audit", { fleet, robot, ...within }),
   ]);
   const events = [
     ...trims.map((one) => trim(one, decided)),

@@ -71,9 +71,9 @@ export default {
           counts ? atOnce(counts, filter, refresh) : null,
           page.items.length ? alarmGroups(page.items, members, actions) : null,
         ],
-        empty: "No standing alarms.",
+        empty: none(filter),
       }),
-      shelved(silenced, actions),
+      shelved(silenced.slice(0, SHELVED), silenced.length > SHELVED && changed({ state: "SHELVED" }), actions),
       maintenancePart(windows, fleets, refresh),
     ];
   },
@@ -118,15 +118,21 @@ async function listed(state) {
   const [page, counts, silenced, windows] = await Promise.all([
     alarms(fleets, route).load(state, fixed),
     list("/v1/alarms/counts", filter),
-    isFirst ? list("/v1/alarms", { ...conditions, state: "SHELVED", standing: true, sort: "urgency", limit: SHELVED }) : [],
+    isFirst ? list("/v1/alarms", { ...conditions, state: "SHELVED", standing: true, sort: "urgency", limit: SHELVED + 1 }) : [],
     isFirst ? maintenanceOf() : null,
   ]);
   return { fleets, page, filter, counts, silenced, windows, members: await storms(page.items, filter, state.storm) };
 }
 
+/** Words without an alarm: others may stand that a filter leaves out. */
+function none(filter) {
+  const isFiltered = Object.entries(filter).some(([name, value]) => name !== "open" && value);
+  return isFiltered ? "No standing alarms match." : "No standing alarms.";
+}
+
 function summary(counts, filter) {
   const total = sum(counts, "alarms");
-  if (!total) return h("p", { class: "summary" }, "No standing alarms.");
+  if (!total) return h("p", { class: "summary" }, none(filter));
   const open = sum(counts, "unacknowledged");
   const levels = Object.keys(ALARM_LEVELS).reverse();
   const kinds = Map.groupBy(counts, (one) => one.level);

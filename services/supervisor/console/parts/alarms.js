@@ -16,22 +16,30 @@ const MEMBERS = 50;
 const stormOf = (row) => `${row.fleet}:${row.kind}:${row.fold.first_raised_at}`;
 const isStorm = (row) => row.fold !== undefined && row.fold.alarms > 1;
 
+/** Whether a storm has this name, also after the end of its first alarms. */
+function isNamed(row, name) {
+  const start = `${row.fleet}:${row.kind}:`;
+  return name.startsWith(start) && Date.parse(name.slice(start.length)) <= Date.parse(row.fold.last_raised_at);
+}
+
 /** The alarms of the unfolded storm by the storm's name; none of a storm that is not on the page. */
 export async function storms(rows, filter, unfolded) {
-  const row = rows.find((one) => isStorm(one) && stormOf(one) === unfolded);
+  const row = unfolded && rows.find((one) => isStorm(one) && isNamed(one, unfolded));
   if (!row) return new Map();
   // `to` is exclusive, and times have microseconds.
   const to = new Date(new Date(row.fold.last_raised_at).getTime() + 1000).toISOString();
   const times = { from: row.fold.first_raised_at, to };
   const asked = { ...filter, fleet: row.fleet, kind: row.kind, standing: true, sort: "urgency", ...times, limit: MEMBERS };
-  return new Map([[unfolded, await list("/v1/alarms", asked)]]);
+  return new Map([[stormOf(row), await list("/v1/alarms", asked)]]);
 }
 
 /** Cards of alarms under the robot and array that neighbouring rows share. `actions` makes the buttons of an alarm. */
 export function alarmGroups(rows, members, actions) {
   const groups = [];
   for (const row of rows) {
-    const key = isStorm(row) ? `storm-${stormOf(row)}` : `${row.fleet}/${row.robot}/${row.array ?? ""}`;
+    const storm = `storm-${row.fleet}:${row.kind}:`;
+    const stormKey = () => `${storm}${groups.filter((one) => one.key.startsWith(storm)).length}`;
+    const key = isStorm(row) ? stormKey() : `${row.fleet}/${row.robot}/${row.array ?? ""}`;
     const last = groups.at(-1);
     if (last?.key === key && !isStorm(row)) last.rows.push(row);
     else groups.push({ key, rows: [row] });
@@ -156,13 +164,14 @@ function state(alarm) {
   ];
 }
 
-/** Shelved alarms, so that nobody forgets them; null without any. */
-export function shelved(rows, actions) {
+/** Shelved alarms, so that nobody forgets them; null without any. `more` is the address of all, if there are more. */
+export function shelved(rows, more, actions) {
   if (!rows.length) return null;
   return [
     h("h2", {}, "Shelved"),
     h("p", { class: "hint" }, "Their causes still exist. They are silent until the time that somebody has set, and stand again then."),
     h("ul", { class: "alarms shelved" }, rows.map((row) => member(row, actions, say(ALARM_KINDS, row.kind)))),
+    more ? h("p", {}, h("a", { href: more }, "All shelved alarms")) : null,
   ];
 }
 

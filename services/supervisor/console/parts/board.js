@@ -42,7 +42,7 @@ const sumOf = (states, names) => names.reduce((sum, name) => sum + (states[name]
 export function verdict(board) {
   const states = totals(board);
   const [all, troubled] = [sumOf(states, Object.keys(states)), sumOf(states, TROUBLES)];
-  if (!all) return "No robots yet.";
+  if (!all) return stateOf(location.hash).q ? "No robots match." : "No robots yet.";
   if (troubled) return `${troubled.toLocaleString("en")} of ${count(all, "robot")} ${troubled === 1 ? "needs" : "need"} attention.`;
   if (states.HEALTHY === all) return `Nothing needs attention: ${count(all, "robot")}, all healthy.`;
   return `No robot needs attention: ${count(all, "robot")}.`;
@@ -237,7 +237,7 @@ function foldedGroups(told, state) {
         preserveAspectRatio: "none",
         class: "states",
         role: "img",
-        "aria-label": `${group}: ${said.join(", ")}`,
+        "aria-label": `${nameOf({ group }, state)}: ${said.join(", ")}`,
       },
       names.map(part),
     );

@@ -154,7 +154,7 @@ export function setpointsTable(rows, caption) {
             "span",
             { class: "marks" },
             markOf(SETPOINT_STATES, row.state),
-            row.error ? h("span", {}, say({}, row.error)) : null,
+            row.error ? h("span", {}, say(SETPOINT_ERRORS, row.error)) : null,
           ),
       },
       { name: "Reached", numeric: true, cell: (row) => mpa(row.reached_mpa) },
@@ -174,6 +174,6 @@ export function setpointsTable(rows, caption) {
 function steps(history) {
   if (!history) return orNone(null);
   const step = (one) =>
-    h("li", {}, say(SETPOINT_STATES, one.state), one.error ? ` (${say({}, one.error)})` : "", " ", time(one.at));
+    h("li", {}, say(SETPOINT_STATES, one.state), one.error ? ` (${say(SETPOINT_ERRORS, one.error)})` : "", " ", time(one.at));
   return h("details", {}, h("summary", {}, count(history.length, "step")), h("ol", {}, history.map(step)));
 }
