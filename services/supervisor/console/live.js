@@ -26,6 +26,7 @@ export class Live {
   #gathering = 0;
   #lookedAt = 0;
   #abort = null;
+  #streaming = null;
   #wake = null;
   #isListening = false;
 
@@ -52,7 +53,17 @@ export class Live {
   #begin() {
     if (this.#isListening || !this.#abort || this.#abort.signal.aborted || !has("GET", "/v1/events")) return;
     this.#isListening = true;
-    this.#listen(this.#abort.signal);
+    this.#streaming = new AbortController();
+    this.#listen(AbortSignal.any([this.#abort.signal, this.#streaming.signal]));
+  }
+
+  /**
+   * Closes the stream of a page out of sight: a browser has six connections to a host, and each open page would keep one. The next
+   * answer opens it again.
+   */
+  rest() {
+    this.#streaming?.abort();
+    this.#isListening = false;
   }
 
   stop() {

@@ -7,7 +7,7 @@ import { Live } from "./live.js";
 import { mark } from "./marks.js";
 import { navigation, startMenu } from "./menu.js";
 import { problemPanel, report } from "./notices.js";
-import { heard, startNotifications, tellSignedOut } from "./notify.js";
+import { heard, isOn as isNotifying, startNotifications, tellSignedOut } from "./notify.js";
 import { openAlarms } from "./parts/alarm-count.js";
 import { badge, forget, identify, isKnown, isSession } from "./rights.js";
 import { find } from "./router.js";
@@ -25,6 +25,9 @@ const STATES = {
   reconnecting: ["reconnecting", "warn", "dots", ""],
   offline: ["offline", "bad", "gap", ": the page may be outdated"],
 };
+
+/** Interval at which a page out of sight asks for the number in its title. */
+const TITLE_MS = 60_000;
 
 /** Open alarms, null while their number is unknown. */
 let alarms = null;
@@ -111,6 +114,11 @@ function showAlarms(address) {
   count.textContent = alarms ? alarms.toLocaleString("en") : "";
 }
 
+function showTitle() {
+  const heading = main.querySelector("h1")?.textContent ?? "";
+  document.title = `${alarms ? `(${alarms.toLocaleString("en")}) ` : ""}${heading} \u2013 vibrissa`;
+}
+
 function put(content, address) {
   const next = h("main", {}, content);
   const isSameAddress = isShown(address);
@@ -119,7 +127,7 @@ function put(content, address) {
   else main.replaceChildren(...next.childNodes);
   main.removeAttribute("aria-busy");
   const heading = main.querySelector("h1");
-  document.title = `${alarms ? `(${alarms.toLocaleString("en")}) ` : ""}${heading?.textContent ?? ""} \u2013 vibrissa`;
+  showTitle();
   showAlarms(address);
   document.getElementById("user").replaceChildren(...badge());
   document.getElementById("sign-out").hidden = token() === null && !isSession();
@@ -198,5 +206,14 @@ addEventListener("resize", () => {
   resizing = setTimeout(refresh, 200);
 });
 addEventListener("online", () => live.hurry());
-document.addEventListener("visibilitychange", () => document.hidden || live.hurry());
+document.addEventListener("visibilitychange", () => {
+  if (!document.hidden) live.hurry();
+  else if (!isNotifying()) live.rest();
+});
+// Out of sight the title is all that people see of the page.
+setInterval(async () => {
+  if (!document.hidden || !isKnown()) return;
+  alarms = (await openAlarms().catch(() => null)) ?? alarms;
+  showTitle();
+}, TITLE_MS);
 start();

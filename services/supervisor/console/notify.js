@@ -12,7 +12,8 @@ const NAMED_MAX = 3;
 
 const isOffered = () => typeof Notification === "function";
 
-function isOn() {
+/** Whether new alarms are notified. */
+export function isOn() {
   try {
     return isOffered() && Notification.permission === "granted" && localStorage.getItem(KEY) === "on";
   } catch {

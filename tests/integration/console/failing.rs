@@ -237,6 +237,14 @@ async fn regress_the_stream_of_events_comes_back_after_a_refusal() {
                      const live = new it.Live(() => {}, (state) => { if (state === 'live') { live.stop(); done(true); } }, () => {}); \
                      live.start(); live.stop(); live.told(true); })";
     assert_eq!(called(&mut stage, "live.js", signed_in).await, true, "somebody has signed in in another tab");
+    // Six streams would take all connections that a browser has to a host.
+    let hidden = "new Promise((done) => { const said = []; const real = window.fetch; \
+                  window.fetch = (path, options) => { if (String(path).startsWith('v1/events')) { said.push('opened'); \
+                    options.signal.addEventListener('abort', () => said.push('closed')); \
+                    if (said.length === 3) { live.stop(); window.fetch = real; done(said.slice(0, 3)); } } return real(path, options); }; \
+                  const live = new it.Live(() => {}, (state) => { if (state === 'live') { live.rest(); live.told(true); } }, () => {}); \
+                  live.start(); })";
+    assert_eq!(called(&mut stage, "live.js", hidden).await, json!(["opened", "closed", "opened"]));
     stage.stop().await;
 }
 
