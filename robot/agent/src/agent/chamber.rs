@@ -62,6 +62,8 @@ pub(super) struct Chamber {
     is_waiting: bool,
     /// Condition of the regulator as the driver states it.
     regulator: Option<Regulator>,
+    /// The condition of a line `fault`. Readings that state none do not end it.
+    regulator_fault: Option<Regulator>,
     gauge: Gauge,
     /// The driver that has stated the condition of the gauge.
     gauge_from: Option<usize>,
@@ -124,6 +126,7 @@ impl Chamber {
             reading: None,
             is_waiting: false,
             regulator: None,
+            regulator_fault: None,
             gauge: Gauge::Ok,
             gauge_from: None,
             temperature_c: None,
@@ -200,7 +203,10 @@ impl Chamber {
 
     /// Takes conditions as the driver states them.
     pub(super) fn state(&mut self, regulator: Option<Regulator>, temperature_c: Option<f64>, supply_mpa: Option<f64>) {
-        self.regulator = regulator;
+        if regulator.is_some() {
+            self.regulator_fault = None;
+        }
+        self.regulator = regulator.or(self.regulator_fault);
         self.temperature_c = temperature_c.or(self.temperature_c);
         self.supply_mpa = supply_mpa.or(self.supply_mpa);
     }
@@ -263,14 +269,20 @@ impl Chamber {
 
     /// Takes a fault.
     pub(super) fn fault(&mut self, from: usize, regulator: Option<Regulator>, gauge: Option<Gauge>) {
-        self.regulator = regulator.or(self.regulator);
+        if let Some(told) = regulator {
+            self.regulator = regulator;
+            self.regulator_fault = regulator.filter(|_| told != Regulator::Ok);
+        }
         if let Some(gauge) = gauge {
             (self.gauge, self.gauge_from) = (gauge, Some(from));
         }
     }
 
-    /// A driver begins anew. It reports what differs from a good gauge.
+    /// A driver begins anew. It reports what differs from a good gauge and a good regulator.
     pub(super) fn begin(&mut self, driver: usize) {
+        if self.holder == Some(driver) {
+            (self.regulator, self.regulator_fault) = (None, None);
+        }
         if self.gauge_from == Some(driver) {
             (self.gauge, self.gauge_from) = (Gauge::Ok, None);
         }
@@ -279,14 +291,14 @@ impl Chamber {
     /// The driver that reads the pressure is absent: nothing is known of the chamber.
     pub(super) fn forget(&mut self) {
         (self.reading, self.is_waiting) = (None, false);
-        self.regulator = None;
+        (self.regulator, self.regulator_fault) = (None, None);
     }
 
     /// Another driver reads the pressure from now on.
     pub(super) fn hand_over(&mut self, holder: usize, limits: DriverLimits) {
         self.holder = Some(holder);
         self.limits = limits;
-        self.regulator = None;
+        (self.regulator, self.regulator_fault) = (None, None);
         let max_mpa = self.max_mpa;
         self.valves = limits.regulate.then(|| Box::new(new_valves(max_mpa)));
     }

@@ -29,6 +29,12 @@ impl Drivers {
         let [driver] = self.drivers.as_mut_slice() else {
             return Err(unfitting("driver", "must be one table, because this program is the only driver"));
         };
+        if driver.regulate {
+            return Err(unfitting(
+                "driver.regulate",
+                "must be left out: this program gets pressures, and cannot open valves",
+            ));
+        }
         (driver.command, driver.tcp, driver.listen, driver.serial) = (None, None, None, None);
         (driver.baud, driver.token_file) = (None, None);
         driver.unix = Some(socket);

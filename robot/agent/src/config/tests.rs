@@ -61,6 +61,8 @@ fn a_program_that_is_the_driver_needs_no_way_to_it() {
         "[[driver]]\nwhiskers = [\"left/0\"]\nserial = \"x\"\n[[driver]]\nwhiskers = [\"left/1\"]\nserial = \"y\"";
     let problem = read(several).unwrap_err();
     assert_eq!(problem, "driver: must be one table, because this program is the only driver");
+    let problem = read("[driver]\nregulate = true").unwrap_err();
+    assert!(problem.starts_with("driver.regulate: must be left out"), "{problem}");
     let problem = read("[driver]\npassword = \"hunter2").unwrap_err();
     assert!(problem.contains("line") && !problem.contains("hunter2"), "{problem}");
     std::fs::remove_dir_all(&folder).unwrap();

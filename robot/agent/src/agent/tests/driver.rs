@@ -456,6 +456,27 @@ fn regress_a_gauge_that_was_bad_is_good_once_its_driver_begins_anew_without_a_fa
     }
 }
 
+/// The next reading without a condition ended the fault of the regulator.
+#[test]
+fn regress_a_fault_of_the_regulator_lasts_until_the_driver_tells_another_condition() {
+    let regulator = |bench: &mut Bench| {
+        bench.hold([0.1, 0.1], 1.5);
+        bench.statuses().pop().unwrap().whiskers[0].regulator
+    };
+    for end in [
+        r#"{"type":"fault","whisker":0,"regulator":"OK"}"#,
+        r#"{"type":"pressure","whisker":0,"pressure_mpa":0.1,"regulator":"OK"}"#,
+        r#"{"type":"hello","version":1,"name":"board"}"#,
+    ] {
+        let mut bench = Bench::running();
+        bench.line(r#"{"type":"fault","whisker":0,"regulator":"LEAK"}"#);
+        assert_eq!(regulator(&mut bench), Regulator::Leak);
+        assert_eq!(regulator(&mut bench), Regulator::Leak);
+        bench.line(end);
+        assert_eq!(regulator(&mut bench), Regulator::Ok, "{end}");
+    }
+}
+
 #[test]
 fn a_driver_that_begins_anew_takes_no_fault_back_that_another_one_has_reported() {
     let mut bench = Bench::running();
