@@ -294,3 +294,23 @@ fn property_a_model_is_refused_by_the_condition_that_fails() {
         Model::nguyen_2021(Formulation::Published)
     );
 }
+
+/// The cross section of the wall shrinks as the chamber gets longer, by Poisson's ratio in both directions across it.
+#[test]
+fn property_a_wall_by_volume_thins_by_its_cross_section() {
+    let model = Model::nguyen_2021(Formulation::Published);
+    let other = model.with_wall_by_volume();
+    let g = *model.geometry();
+    let mid_mm = 0.5 * (g.d2_mid_large_mm + g.d2_mid_small_mm);
+    let area = |wall_mm: f64| wall_mm * (mid_mm - g.t_mm + wall_mm);
+    for pressure in [0.01, 0.05, 0.1] {
+        let (own, by_volume) =
+            (model.morphology(Megapascal::known(pressure)), other.morphology(Megapascal::known(pressure)));
+        let stretch = 1.0 + by_volume.elongation_mm / (g.l_mm - g.c_mm);
+        let kept = area(by_volume.wall_mm) / area(g.t_mm) * stretch.powf(2.0 * g.poisson_ratio);
+        assert!((kept - 1.0).abs() < 0.01, "{pressure} MPa: {kept}");
+        let thinner = (g.t_mm - own.wall_mm) / (g.t_mm - by_volume.wall_mm);
+        assert!((thinner - 1.73).abs() < 0.02, "{pressure} MPa: {thinner}");
+        assert_eq!(own.elongation_mm, by_volume.elongation_mm);
+    }
+}

@@ -2,7 +2,8 @@
 
 use vibrissa_core::mechanics::{Formulation, Model};
 use vibrissa_evaluation::reality::{
-    Circumstances, Course, Figures, Found, Habit, Nuisance, Nuisances, Plan, Row, StatedPlace, Touch, Whisker, evaluate,
+    Circumstances, Course, Figures, Found, Habit, Nuisance, Nuisances, Plan, Row, SIZES_MM, StatedPlace, Touch,
+    Whisker, evaluate,
 };
 
 fn nuisances(nuisance: Nuisance, strength: f64) -> Nuisances {
@@ -243,5 +244,23 @@ fn property_each_place_finds_the_cuts_that_it_can_show() {
     }
     for place in [StatedPlace::Distance, StatedPlace::Unknown] {
         assert_eq!(found(place), 0.0, "{place:?}");
+    }
+}
+
+/// Predictions took eq. 18 to 20 for certain: 36 of 97 intervals of the error held it where the wall keeps its volume.
+#[test]
+fn regress_a_predicted_error_holds_a_wall_that_keeps_its_volume() {
+    let rows = [Nuisance::Wall, Nuisance::Elastica, Nuisance::Ideal].map(|nuisance| Row { nuisance, strength: 1.0 });
+    let plan = Plan {
+        seed: 5,
+        rows: rows.to_vec(),
+        place: StatedPlace::Ratio,
+        applies_gain: false,
+        contacts: 6,
+        incidents: 2 * SIZES_MM.len() as u32,
+    };
+    for row in evaluate(&plan, &|| ()) {
+        let covered = row.predicted_covered();
+        assert!(covered.of >= 8 && covered.count + 1 >= covered.of, "{:?}: {covered:?}", row.row);
     }
 }

@@ -67,6 +67,16 @@ impl Model {
         Self { calibration, formulation, ..self.clone() }
     }
 
+    /// The same whisker with a wall that keeps its volume under pressure. By eq. 18 to 20 the wall gets thinner by Poisson's ratio
+    /// times the radius for each share of elongation, and 1.7 times as much as by its volume: the inner diameter stays.
+    #[must_use]
+    pub fn with_wall_by_volume(&self) -> Self {
+        let g = &self.geometry;
+        let mid_mm = 0.5 * (g.d2_mid_large_mm + g.d2_mid_small_mm);
+        let thinning = 2.0 * g.poisson_ratio * g.t_mm * mid_mm / ((mid_mm + g.t_mm) * g.chamber_mm());
+        Self { thinning, ..self.clone() }
+    }
+
     /// The model without a check, for steps of a fit: its results are finite for any positive calibration.
     pub(super) fn precompute(g: Geometry, calibration: Calibration, formulation: Formulation) -> Self {
         let outer_radius_mm = |x_mm: f64| 0.5 * g.d2_large_mm * (1.0 - (x_mm - g.c_mm) / g.l2_mm);

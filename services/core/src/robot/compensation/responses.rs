@@ -305,6 +305,11 @@ impl Whisker {
         }
     }
 
+    /// Whether its response was measured at another than its nominal pressure.
+    pub(in crate::robot) fn knows_own_calibration(&self) -> bool {
+        self.rare.own.as_ref().is_some_and(|own| own.is_informed())
+    }
+
     /// Belief about its response at a setpoint, against the model at its present length.
     pub(in crate::robot) fn carried(&self, params: &Params, setpoint: &Setpoint) -> Carried {
         let Some(model) = self.model(params) else { return Carried::default() };
