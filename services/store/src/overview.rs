@@ -196,7 +196,7 @@ where
     }
     sql.push(" ELSE ").push_bind(bins - 1).push(
         " END AS BIGINT) AS bin, count(*) AS compensations FROM (SELECT (SELECT error FROM compensation_errors e \
-         WHERE e.compensation_id = c.compensation_id ORDER BY compensation_error_id DESC LIMIT 1) AS error \
+         WHERE e.compensation_id = c.compensation_id ORDER BY recorded_us DESC, compensation_error_id DESC LIMIT 1) AS error \
          FROM compensations c CROSS JOIN robots r WHERE r.robot_id = c.robot_id AND ended_us IS NULL \
          AND compensator_whisker_id IS NOT NULL AND approval <> 'PROPOSED'",
     );
