@@ -33,7 +33,6 @@ mod replaced;
 mod retries;
 mod silence;
 mod stored;
-mod swings;
 mod taken_up;
 mod touch_tests;
 mod trend;

@@ -42,9 +42,6 @@ const WITHOUT_PLACE_CONTACTS: u32 = 30;
 /// Number of steps that leaves none, and from which on a pressure is followed instead: each time counts, up to the largest
 /// number. A chamber of 0.2 MPa empties in 50 of them.
 const KEEPS_PRESSURE: u8 = 192;
-/// Contacts at a pressure before it is followed again, once that number is reached: days and nights move a sealed chamber up and
-/// down for ever.
-const FOLLOWED_CONTACTS: u32 = 30;
 
 /// Progress of the refinement of a compensation.
 #[derive(Debug, Clone, PartialEq, BorshSerialize, BorshDeserialize)]
@@ -227,7 +224,7 @@ impl Robot {
         let running = &self.head.compensations[at];
         let way_mpa = (pressure.mpa() - running.pressure.mpa()).abs();
         if way_mpa <= within_mpa
-            || (running.refining.steps == u8::MAX && running.after.contacts() < FOLLOWED_CONTACTS)
+            || running.refining.steps == u8::MAX
             || self.whiskers[index].command.is_some()
             || self.holds(index)
         {
