@@ -124,10 +124,8 @@ fn sign_in(reader: &mut Reader) -> Option<Option<SignInOptions>> {
     let public_url = reader.parsed(Key::HttpPublicUrl, public_url);
     let scopes = reader.texts(Key::HttpOidcScopes);
     if !reader.is_explicit(Key::HttpOidcClientId) {
-        for key in [Key::HttpOidcClientSecretFile, Key::HttpOidcScopes] {
-            if reader.is_explicit(key) {
-                reader.refuse(key, "has no effect without http.oidc_client_id");
-            }
+        if is_secret {
+            reader.refuse(Key::HttpOidcClientSecretFile, "has no effect without http.oidc_client_id");
         }
         return Some(None);
     }
