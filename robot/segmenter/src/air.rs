@@ -9,6 +9,10 @@ const PRESSURE_MPA: f64 = 0.003;
 const AFTER_S: (f64, f64) = (1.0, 0.6);
 /// Readings that contradict the setpoint for longer than this count instead: a driver reads once a second at least. s.
 const CONTRADICT_S: f64 = 1.2;
+/// A change that no setpoint explains may go on: the next one is at most this times as large, and comes after this times the time
+/// since the last one, at most so many s.
+const LEAKS_ON: f64 = 1.5;
+const LEAKS_ON_MAX_S: f64 = 5.0;
 /// Time constant of a chamber before its readings tell it, and its range. s.
 const FILLS_S: (f64, f64, f64) = (0.2, 0.05, 20.0);
 /// Part of the way of the pressure since the last reading that is not known: the chamber may fill half or twice as fast.
@@ -41,6 +45,8 @@ struct Chamber {
     /// Distance from the newest reading, and since when it contradicts.
     off_mpa: f64,
     off_since_s: Option<f64>,
+    /// Way of the pressure that a reading has shown at once, and no setpoint explains. The baseline may have followed it.
+    jump_mpa: f64,
     fills_s: f64,
     /// Time and pressure of the last reading that counts, or of the change of the setpoint.
     known: (f64, f64),
@@ -116,11 +122,10 @@ impl Air {
         let all_mpa = self.chamber.setpoint_mpa - self.before_mpa;
         let left_mpa = self.chamber.setpoint_mpa - self.chamber.known.1;
         let shift = self.response.error() * all_mpa.abs();
+        let (per_mpa, jump_mpa) = (self.response.per_mpa(0).abs(), LEAKS_ON * self.chamber.jump_mpa);
         match self.phase {
-            Phase::Moves => {
-                shift + self.response.per_mpa(0).abs() * (UNKNOWN * left_mpa.abs()).max(self.chamber.off_mpa)
-            }
-            Phase::Settles => shift,
+            Phase::Moves => shift + per_mpa * (UNKNOWN * left_mpa.abs()).max(self.chamber.off_mpa).max(jump_mpa),
+            Phase::Settles => shift + per_mpa * jump_mpa,
             Phase::Over => 0.0,
         }
     }
@@ -162,6 +167,7 @@ impl Chamber {
             self.known = (bin.t_s, setpoint_mpa);
             return None;
         };
+        let mut again_s: f64 = 0.0;
         let mut mpa = self.aim_mpa + (mpa - self.aim_mpa) * (-dt_s / self.fills_s).exp();
         if let Some(reading_mpa) = news {
             let left = (self.setpoint_mpa - reading_mpa) / (self.setpoint_mpa - self.known.1);
@@ -169,12 +175,18 @@ impl Chamber {
             if is_on_its_way {
                 self.fills_s = ((self.known.0 - bin.t_s) / left.ln()).clamp(FILLS_S.1, FILLS_S.2);
             }
+            self.jump_mpa = if is_on_its_way { 0.0 } else { (reading_mpa - mpa).abs() };
+            if !is_on_its_way {
+                // A leak goes on: the next one may come after as long.
+                again_s = (LEAKS_ON * (bin.t_s - self.known.0)).min(LEAKS_ON_MAX_S);
+            }
             mpa = reading_mpa;
             self.aim_mpa = if is_on_its_way { self.setpoint_mpa } else { reading_mpa };
             self.known = (bin.t_s, mpa);
         }
         let contradicts = self.contradicts(bin, mpa);
         if let Some(reading_mpa) = contradicts.filter(|_| self.off_since_s.is_none()) {
+            self.jump_mpa = (reading_mpa - mpa).abs();
             (mpa, self.aim_mpa) = (reading_mpa, reading_mpa);
             self.known = (bin.t_s, mpa);
         }
@@ -182,10 +194,10 @@ impl Chamber {
         if (setpoint_mpa - self.setpoint_mpa).abs() > SETPOINT_MPA {
             (self.setpoint_mpa, self.aim_mpa) = (setpoint_mpa, setpoint_mpa);
             self.known = (bin.t_s, mpa);
-            self.fills_s = FILLS_S.0;
+            (self.fills_s, self.jump_mpa) = (FILLS_S.0, 0.0);
             return Some(AFTER_S.0);
         }
-        news.or(contradicts).map(|_| AFTER_S.1)
+        news.or(contradicts).map(|_| AFTER_S.1.max(again_s))
     }
 
     /// The newest reading, if it contradicts the pressure that should be by now. It has done so for long, and counts, once

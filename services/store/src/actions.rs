@@ -7,6 +7,7 @@
 use serde::Serialize;
 use tokio::time::Duration;
 use vibrissa_edge::clock::wall_clock;
+use vibrissa_protocol::Name;
 
 use super::database::{Tx, on};
 use super::from_row::from_row;
@@ -222,19 +223,27 @@ impl Store {
 }
 
 impl Writer {
-    /// At most `most` pending actions for the lease's fleet whose time has come, in the order of their requests.
+    /// At most `most` pending actions for the lease's fleet whose time has come, in the order of their requests; without those
+    /// of some robots.
     ///
     /// # Errors
     /// The database cannot be read.
-    pub async fn pending(&mut self, lease: &Lease, most: i64) -> Result<Pending, StoreError> {
+    pub async fn pending(&mut self, lease: &Lease, most: i64, without: &[Name]) -> Result<Pending, StoreError> {
         const WHAT: &str = "read pending actions";
+        // A name has no characters that end a text.
+        let names: Vec<String> = without.iter().map(|name| format!("'{name}'")).collect();
+        let of_others = match names.is_empty() {
+            true => String::new(),
+            false => format!("AND (robot IS NULL OR robot NOT IN ({})) ", names.join(", ")),
+        };
         // The limit is not a parameter: with a parameter there, SQLite would prepare the statement anew each time.
         let sql = format!(
-            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' AND not_before_us <= $2 \
+            "SELECT {COLUMNS} FROM actions WHERE fleet = $1 AND state = 'PENDING' AND not_before_us <= $2 {of_others}\
              ORDER BY action_id LIMIT {most}"
         );
         let (fleet, now_us) = (lease.fleet().as_str(), wall_clock().0 as i64);
-        let model = |model: &mut dyn Model| Ok(model.pending(lease, most).into_iter().map(Tried::Read).collect());
+        let model =
+            |model: &mut dyn Model| Ok(model.pending(lease, most, without).into_iter().map(Tried::Read).collect());
         let rows: Vec<Tried<Action>> = self
             .attempt(WHAT, PATIENCE, model, async |link| {
                 on!(link, |link| sqlx::query_as(sqlx::AssertSqlSafe(sql))

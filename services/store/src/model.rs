@@ -262,8 +262,8 @@ pub trait Fleets {
     fn state_horizon(&mut self, lease: &Lease, written_to_us: i64);
     /// The roll-out of the fleet that has not ended.
     fn open_rollout(&self, lease: &Lease) -> Option<RolloutRow>;
-    /// At most `most` pending actions of the fleet.
-    fn pending(&self, lease: &Lease, most: i64) -> Vec<Action>;
+    /// At most `most` pending actions of the fleet, without those of some robots.
+    fn pending(&self, lease: &Lease, most: i64, without: &[Name]) -> Vec<Action>;
     /// The fleets with pending actions, or a list of allowed robots.
     fn fleets_with_work(&self) -> Vec<FleetWork>;
     /// The action of this number.

@@ -71,6 +71,27 @@ async fn regress_a_refused_contact_is_put_into_quarantine_alone_on_postgres() {
     one_message(DatabaseKind::Postgres).await;
 }
 
+/// An action for another robot is done, although more than are read at a time wait for the suspect.
+async fn actions_of_others(stage: &Stage, admin: &mut Admin) {
+    let expires_us = i64::MAX;
+    for number in 0..=100 {
+        let robot = if number < 100 { "bad" } else { "good" };
+        let sql = format!(
+            "INSERT INTO actions (fleet, robot, kind, parameters, actor, role, request_id, asked_us, expires_us, state) \
+             VALUES ('f', '{robot}', 'HOLD', '{{}}', 'test', 'operator', 'test-{number}', 1, {expires_us}, 'PENDING') \
+             RETURNING action_id"
+        );
+        admin.numbers(&sql).await;
+    }
+    let pending = |robot: &str| format!("SELECT count(*) FROM actions WHERE robot = '{robot}' AND state = 'PENDING'");
+    until("the other robot's action is done", async || (admin.numbers(&pending("good")).await == [0]).then_some(()))
+        .await;
+    let waiting = admin.numbers(&pending("bad")).await;
+    if stage.metric("vibrissa_robots_suspect{fleet=\"f\"}").await >= 1.0 {
+        assert_eq!(waiting, [100], "actions for a suspect wait");
+    }
+}
+
 /// A trigger refuses all rows of one robot, in one table after the other. The other robot continues, and the affected
 /// robot continues once the trigger is removed.
 async fn one_robot(kind: DatabaseKind) {
@@ -118,6 +139,7 @@ async fn one_robot(kind: DatabaseKind) {
         stage.metric("vibrissa_robots_suspect{fleet=\"f\"}").await >= 1.0,
         "the robot must be suspect for a minute"
     );
+    actions_of_others(&stage, &mut admin).await;
     stage.stop().await;
 }
 

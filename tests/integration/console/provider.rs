@@ -76,6 +76,7 @@ async fn people_sign_in_with_keycloak_and_out_again() {
         sign_in: Some(SignInOptions {
             client_id: "vibrissa".to_owned(),
             client_secret: Some(Secret::new("a-secret-of-this-test-only")),
+            scopes: vec!["profile".to_owned()],
             public_url: format!("http://127.0.0.1:{port}"),
         }),
     };

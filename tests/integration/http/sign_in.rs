@@ -121,8 +121,12 @@ impl Provider {
     }
 
     fn access(&self, public_url: &str) -> AccessOptions {
-        let sign_in =
-            SignInOptions { client_id: "console".to_owned(), client_secret: None, public_url: public_url.to_owned() };
+        let sign_in = SignInOptions {
+            client_id: "console".to_owned(),
+            client_secret: None,
+            scopes: vec!["profile".to_owned(), "offline_access".to_owned()],
+            public_url: public_url.to_owned(),
+        };
         let oidc = OidcOptions {
             issuer: self.issuer.clone(),
             audience: "vibrissa".to_owned(),
@@ -187,7 +191,10 @@ impl Attempt {
         assert_eq!(answer.status, 303, "{}", answer.body);
         let url = Url::parse(&answer.headers["location"]).unwrap();
         let asked = |name: &str| url.query_pairs().find(|(one, _)| one == name).unwrap().1.into_owned();
-        assert_eq!((asked("code_challenge_method").as_str(), asked("scope").as_str()), ("S256", "openid profile"));
+        assert_eq!(
+            (asked("code_challenge_method").as_str(), asked("scope").as_str()),
+            ("S256", "openid profile offline_access")
+        );
         let redirect_uri = asked("redirect_uri");
         Self { state: asked("state"), nonce: asked("nonce"), cookie: cookie(&answer), redirect_uri }
     }

@@ -136,6 +136,33 @@ async fn regress_events_of_a_restored_server_come_before_new_ones() {
 }
 
 #[tokio::test]
+async fn regress_a_server_restored_amid_the_transactions_of_its_dump_delivers_no_event_again() {
+    let stage = Stage::postgres().await;
+    let receiver = Receiver::start(Manner::Status(200)).await;
+    let service = stage.supervisor("a", FAST).await;
+    stage.robot().await;
+    hook(&service, &receiver, json!({})).await;
+    let mut raw = stage.raw().await;
+    raw.trim(1).await;
+    raw.trim(2).await;
+    assert_eq!(taken(&receiver, 2).await, [1, 2]);
+    service.stop().await;
+    // The new server has counted further than at the first event, and not as far as at the second one.
+    raw.run("UPDATE events SET tx = tx + 1000000000 WHERE event_id = (SELECT max(event_id) FROM events)").await;
+    raw.run(
+        "UPDATE webhooks SET done_tx = (SELECT max(tx) FROM events), done_event = (SELECT max(event_id) FROM events)",
+    )
+    .await;
+    let store = Store::open(&stage.address, "test").await.unwrap();
+    store.prepare_events().await.unwrap();
+    store.close().await;
+    raw.trim(3).await;
+    let service = stage.supervisor("b", FAST).await;
+    assert_eq!(taken(&receiver, 3).await, [1, 2, 3]);
+    service.stop().await;
+}
+
+#[tokio::test]
 async fn the_fifty_first_webhook_of_a_fleet_is_refused_and_another_fleet_has_its_own() {
     let stage = Stage::sqlite().await;
     let service = stage.supervisor("a", FAST).await;

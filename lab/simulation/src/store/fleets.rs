@@ -112,9 +112,12 @@ impl Fleets for ModelStore {
         self.open_rollouts(lease.fleet().as_str()).next().cloned()
     }
 
-    fn pending(&self, lease: &Lease, most: i64) -> Vec<Action> {
+    fn pending(&self, lease: &Lease, most: i64, without: &[Name]) -> Vec<Action> {
+        let is_left_out = |action: &Action| {
+            action.robot.as_deref().is_some_and(|robot| without.iter().any(|name| name.as_str() == robot))
+        };
         let own = self.actions().filter(|action| action.fleet.as_deref() == Some(lease.fleet().as_str()));
-        own.filter(|action| action.is_pending()).take(most as usize).cloned().collect()
+        own.filter(|action| action.is_pending() && !is_left_out(action)).take(most as usize).cloned().collect()
     }
 
     fn fleets_with_work(&self) -> Vec<FleetWork> {

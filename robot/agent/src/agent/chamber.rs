@@ -90,6 +90,8 @@ pub(super) struct Chamber {
     pub(super) gauge_watch: GaugeWatch,
     /// The log names a reading below zero already.
     pub(super) told_below_zero: bool,
+    /// The pressure that a driver has refused, and whether the log says so.
+    refused: Option<(f64, bool)>,
     /// Contacts that could not be sent, by reason.
     pub(super) unused: BTreeMap<String, u64>,
     /// Moment of the last contact that was sent.
@@ -143,6 +145,7 @@ impl Chamber {
             partials: Partials::default(),
             gauge_watch: GaugeWatch::default(),
             told_below_zero: false,
+            refused: None,
             unused: BTreeMap::new(),
             contact_at: None,
             holder: None,

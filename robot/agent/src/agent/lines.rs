@@ -120,12 +120,34 @@ impl Agent {
                 self.warn_of_configuration(from, line.record, out);
                 Ok(())
             }
-            FromDriver::Error(problem) => {
-                let label = &self.drivers[from].label;
-                out.push(Output::Warn(format!("{label} has refused a line: {}", cut(&problem.problem))));
-                Ok(())
-            }
+            FromDriver::Error(problem) => self.refused_by_driver(from, problem, now, out),
         }
+    }
+
+    /// A driver has refused a line. A setpoint whose order it refuses has failed; the log names each refused pressure once,
+    /// because orders are repeated.
+    fn refused_by_driver(
+        &mut self,
+        from: usize,
+        refusal: words::Problem,
+        now: Now,
+        out: &mut Vec<Output>,
+    ) -> Result<(), BadLine> {
+        let words::Problem { problem, array, whisker } = refusal;
+        let Some(whisker) = whisker else {
+            out.push(Output::Warn(format!("{} has refused a line: {}", self.drivers[from].label, cut(&problem))));
+            return Ok(());
+        };
+        let (at, _) = self.place(from, &Origin { array, whisker, t_us: None, t_ms: None, span_us: 0 }, now)?;
+        let (label, chamber) = (&self.drivers[from].label, &mut self.chambers[at]);
+        if chamber.refuse(now) {
+            let (array, target_mpa) = (&chamber.array, chamber.target_mpa);
+            out.push(Output::Warn(format!(
+                "whisker {array}/{whisker}: {label} refuses the order of {target_mpa} MPa: {}",
+                cut(&problem)
+            )));
+        }
+        Ok(())
     }
 
     fn hello(&mut self, from: usize, hello: &words::Hello, now: Now, out: &mut Vec<Output>) -> Result<(), BadLine> {

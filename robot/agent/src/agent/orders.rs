@@ -81,6 +81,9 @@ impl Agent {
         let id = setpoint.command_id.as_str();
         self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Received), now, out);
         self.supersede(at, now, out);
+        if let Some(other) = self.chambers[at].ends_fault(setpoint) {
+            self.tell(at, &other, out);
+        }
         self.chambers[at].apply(setpoint, now);
         self.tell_pressure(at, now, out);
         self.answer(id, Some(at), CommandAnswer::plain(SetpointOutcome::Applying), now, out);

@@ -59,6 +59,8 @@ pub struct Board<Fill, Vent> {
     last_line_us: u64,
     by_hand: bool,
     silent: bool,
+    /// An order above the limit is to be answered.
+    refused: bool,
     pressure_mpa: f32,
     strains: [f32; SAMPLES],
     ways_mm: [f32; SAMPLES],
@@ -97,6 +99,7 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
             last_line_us: 0,
             by_hand: false,
             silent: false,
+            refused: false,
             pressure_mpa: 0.0,
             strains: [0.0; SAMPLES],
             ways_mm: [0.0; SAMPLES],
@@ -154,6 +157,7 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
                 self.regulator
                     .set_target(mpa.min(self.limit_mpa), field(line, "slew_mpa_per_s").and_then(number).unwrap_or(0.0));
             }
+            self.refused = mpa > self.limit_mpa + ABOVE_MPA;
         } else if is_text(kind, "valve") {
             let Some(ms) = field(line, "for_ms").and_then(number).filter(|ms| (0.0..=1000.0).contains(ms)) else {
                 return;
@@ -211,6 +215,15 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
                 lines.add(|line| line.write_str("\n{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
         }
         let (array, whisker) = (self.array, self.whisker);
+        if self.refused {
+            let limit_mpa = self.limit_mpa;
+            let told = lines.add(|line| {
+                write!(line, "{{\"type\":\"error\",\"array\":\"{array}\",\"whisker\":{whisker},")?;
+                write!(line, "\"problem\":\"the pressure is above limit_mpa, which is {limit_mpa}\",")?;
+                line.write_str("\"do\":\"lower pressure_max_mpa in agent.toml, or raise the limit of the board\"}")
+            });
+            self.refused = !told;
+        }
         let (strain, way_mm) = (readings.strain, readings.deflection_mm.unwrap_or_default());
         // JSON has no NaN: the next reading takes the place of one that failed.
         if now_us >= self.next_strain_us && strain.is_finite() && way_mm.is_finite() {

@@ -229,3 +229,15 @@ fn the_way_of_a_slide_is_in_the_lines_of_strain() {
     bench.run(0.5);
     assert!(!bench.said.contains("\"strain\"") && !bench.said.contains("NaN"), "{}", bench.said);
 }
+
+#[test]
+fn regress_an_order_above_the_limit_is_refused_with_a_reason() {
+    let mut bench = Bench::new();
+    for (mpa, answers) in [("0.2100", 0), ("0.2200", 1), ("0.9", 2)] {
+        bench.say(&format!(r#"{{"type":"set_pressure","array":"left","whisker":1,"pressure_mpa":{mpa}}}"#));
+        bench.run(1.0);
+        let refusals =
+            bench.said.matches(r#"{"type":"error","array":"left","whisker":1,"problem":"the pressure is above "#);
+        assert_eq!(refusals.count(), answers, "{mpa}");
+    }
+}

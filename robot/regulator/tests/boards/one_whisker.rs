@@ -51,7 +51,7 @@ fn the_board_regulates_within_a_step_and_vents_when_the_lines_stop() {
 }
 
 #[test]
-fn the_board_keeps_its_limit_and_ignores_lines_that_are_wrong() {
+fn regress_the_board_keeps_its_limit_and_answers_an_order_above_it() {
     let Some(folder) = compiled("uno") else { return };
     let mut script = held(300, 4_000, 0.05);
     for (index, line) in [
@@ -74,6 +74,10 @@ fn the_board_keeps_its_limit_and_ignores_lines_that_are_wrong() {
     let highest = lines.iter().map(|(_, mpa, _)| *mpa).fold(0.0, f64::max);
     assert!(highest < 0.05 + 2.0 * STEP_MPA, "{highest}");
     assert!((at(&lines, 8_000.0).0 - 0.05).abs() <= STEP_MPA, "{:?}", at(&lines, 8_000.0));
+    // The one above the limit has an answer.
+    let refused =
+        lines.iter().filter(|(_, _, line)| line.contains("\"type\":\"error\",\"array\":\"left\",\"whisker\":1,"));
+    assert_eq!(refused.count(), 1);
 }
 
 #[test]

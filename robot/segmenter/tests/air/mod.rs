@@ -13,11 +13,11 @@ const BEFORE_MPA: f64 = 0.1;
 
 /// A whisker that touches every 3 s until 50 s, with steps of air at 20 s and 40 s that are learned. At 60 s the setpoint
 /// becomes `setpoint_mpa`, and the pressure is `pressure_mpa` of the time since then, which is read at `reading_hz`. Returns the
-/// onsets since then, and by how much the reference is off at the end.
-fn last_step(setpoint_mpa: f64, reading_hz: f64, pressure_mpa: impl Fn(f64) -> f64) -> (usize, f64) {
+/// times of the onsets since then, and by how much the reference is off at the end.
+fn last_step(setpoint_mpa: f64, reading_hz: f64, pressure_mpa: impl Fn(f64) -> f64) -> (Vec<f64>, f64) {
     let mut random = Random(7);
     let mut segmenter = Segmenter::new(Params { sign: 1.0, ..Params::default() });
-    let (mut mpa, mut told_mpa, mut onsets) = (BEFORE_MPA, BEFORE_MPA, 0);
+    let (mut mpa, mut told_mpa, mut onsets) = (BEFORE_MPA, BEFORE_MPA, vec![]);
     for index in 0..(80.0 * RATE_HZ) as u32 {
         let t_s = f64::from(index) / RATE_HZ;
         let setpoint_mpa = match t_s {
@@ -39,7 +39,9 @@ fn last_step(setpoint_mpa: f64, reading_hz: f64, pressure_mpa: impl Fn(f64) -> f
             setpoint_mpa: Some(setpoint_mpa),
             ..Sample::default()
         });
-        onsets += usize::from(t_s >= 60.0 && event.is_some_and(|event| matches!(event, Event::Onset { .. })));
+        if t_s >= 60.0 && event.is_some_and(|event| matches!(event, Event::Onset { .. })) {
+            onsets.push(t_s - 60.0);
+        }
         if t_s < 60.0 && (t_s % 3.0) > 2.9 && t_s > 45.0 {
             assert!(
                 (segmenter.reference().expect("it is known") - PER_MPA * mpa).abs() < 0.000_1,
@@ -62,9 +64,25 @@ fn regress_readings_that_contradict_the_setpoint_count() {
     ] {
         for reading_hz in readings_hz {
             let (onsets, off) = last_step(0.15, reading_hz, pressure_mpa);
-            assert_eq!(onsets, 0, "{what}, {reading_hz} readings a second: {off} off");
+            assert_eq!(onsets, [], "{what}, {reading_hz} readings a second: {off} off");
             // The pressure is known to 3 kPa.
             assert!(off.abs() < PER_MPA * 0.003, "{what}, {reading_hz} readings a second: {off} off");
+        }
+    }
+}
+
+#[test]
+fn regress_a_leak_without_a_setpoint_makes_no_onset() {
+    for mpa_per_s in [0.001, 0.003, 0.01, 0.03, 0.1] {
+        for reading_hz in [4.0, 20.0] {
+            let leaks = |t_s: f64| (BEFORE_MPA - mpa_per_s * t_s).max(0.02);
+            let (onsets, off) = last_step(BEFORE_MPA, reading_hz, leaks);
+            // Nothing tells of the leak before the first readings of it.
+            assert!(
+                onsets.iter().all(|at_s| *at_s < 1.0),
+                "{mpa_per_s} MPa/s, {reading_hz} readings a second: {onsets:?}"
+            );
+            assert!(off.abs() < PER_MPA * 0.003, "{mpa_per_s} MPa/s, {reading_hz} readings a second: {off} off");
         }
     }
 }

@@ -112,9 +112,10 @@ impl ErosionWatch {
         self.wander_mm = fast.min(WANDER_MAX_MM).max(least_mm);
     }
 
-    /// Rate and contacts left, or `None` while there are too few contacts. `length` is the present estimate.
+    /// Rate and contacts left, or `None` while there are too few contacts. `length` is the present estimate, and
+    /// `learned_sd_mm` its standard deviation by contacts alone: a doubt that they do not reduce is no lag.
     #[must_use]
-    pub fn erosion(&self, length: &LengthEstimate) -> Option<Erosion> {
+    pub fn erosion(&self, length: &LengthEstimate, learned_sd_mm: f64) -> Option<Erosion> {
         if self.lengths.readings() < LEAST_CONTACTS {
             return None;
         }
@@ -123,7 +124,7 @@ impl ErosionWatch {
         let mm_per_contact = Interval { mean: -slope.mean, low: -slope.mean - half, high: -slope.mean + half };
         // A filter that expects a random walk lags behind a steady loss by 1 / gain contacts; its gain is the
         // walk's variance divided by its own.
-        let lag_mm = mm_per_contact.mean * (length.sd_mm / self.wander_mm).powi(2);
+        let lag_mm = mm_per_contact.mean * (learned_sd_mm / self.wander_mm).powi(2);
         let length_mm = length.length.mm() - lag_mm;
         let sd_mm = length.sd_mm.hypot(MODEL_SD * (self.whole.mm() - length_mm));
         let left = |sds: f64, rate: f64| {
@@ -157,5 +158,26 @@ impl ErosionWatch {
     #[must_use]
     pub fn shortest(&self) -> Millimetre {
         self.shortest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_a_doubt_that_contacts_do_not_reduce_is_no_lag() {
+        let estimate = |contact: u32, sd_mm| {
+            let length = Millimetre::known(70.0 - 0.002 * f64::from(contact));
+            LengthEstimate { length, sd_mm }
+        };
+        let mut watch = ErosionWatch::new(Millimetre::known(70.0), Millimetre::known(60.0), 0.03, 0.002);
+        (1..=1000).for_each(|contact| watch.follow(&estimate(contact, 0.05), 0.3, 0.03));
+        let left = |sd_mm| watch.erosion(&estimate(1000, sd_mm), 0.05).unwrap().contacts_left;
+        let (without, with) = (left(0.05), left(4.5));
+        // 8 mm are left, less a small lag.
+        assert!((3_800.0..=4_000.0).contains(&without.mean.unwrap()), "{without:?}");
+        assert_eq!(with.mean, without.mean);
+        assert!(with.low < without.low && with.high > without.high, "the doubt is in the interval: {with:?}");
     }
 }

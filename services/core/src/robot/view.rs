@@ -34,7 +34,9 @@ impl Robot {
             condition: whisker.condition,
             fault: whisker.fault,
             leak_per_s: whisker.leak.rate_per_s(),
-            erosion: whisker.rare.erosion.as_ref().and_then(|erosion| erosion.erosion(&whisker.worn_length())),
+            erosion: whisker.rare.erosion.as_ref().and_then(|erosion| {
+                erosion.erosion(&whisker.filter.relative_length(), whisker.filter.learned_length().sd_mm)
+            }),
             pressure: whisker.air.measured(),
             setpoint: whisker.air.setpoint,
             heard: whisker.heard,

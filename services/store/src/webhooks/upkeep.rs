@@ -156,8 +156,8 @@ impl Store {
     }
 
     /// Prepares the log when a supervisor starts. A file has one supervisor at a time, so nobody holds a webhook of it now. A
-    /// PostgreSQL server that was restored from a dump begins to count transactions anew: events and readers that name
-    /// transactions of the former server come before all new ones then.
+    /// PostgreSQL server that was restored from a dump counts transactions of its own: if a row names one that this server has not
+    /// begun, all events and readers come before the new ones, in the order of the events' numbers.
     ///
     /// # Errors
     /// The database cannot be written.
@@ -173,14 +173,25 @@ impl Store {
             }
             Either::Postgres(pool) => pool,
         };
-        for sql in [
-            format!("UPDATE events SET tx = 0 WHERE tx >= {MINE}"),
-            format!("UPDATE webhooks SET done_tx = 0 WHERE done_tx >= {MINE}"),
-            format!("UPDATE event_positions SET tx = 0 WHERE tx >= {MINE}"),
-        ] {
-            sqlx::query(AssertSqlSafe(sql)).execute(pool).await.map_err(failed("mend the order of events"))?;
+        const WHAT: &str = "mend the order of events";
+        let is_restored = AssertSqlSafe(format!(
+            "SELECT EXISTS (SELECT 1 FROM events WHERE tx >= {MINE}) OR EXISTS (SELECT 1 FROM webhooks WHERE done_tx >= {MINE}) \
+             OR EXISTS (SELECT 1 FROM event_positions WHERE tx >= {MINE})"
+        ));
+        let is_restored: bool = sqlx::query_scalar(is_restored).fetch_one(pool).await.map_err(failed(WHAT))?;
+        if !is_restored {
+            return Ok(());
         }
-        Ok(())
+        // All of them, in one step: one event that kept its transaction would come after readers that did not.
+        let mut tx = pool.begin().await.map_err(failed(WHAT))?;
+        for sql in [
+            "UPDATE events SET tx = 0 WHERE tx <> 0",
+            "UPDATE webhooks SET done_tx = 0 WHERE done_tx <> 0",
+            "UPDATE event_positions SET tx = 0 WHERE tx <> 0",
+        ] {
+            sqlx::query(sql).execute(&mut *tx).await.map_err(failed(WHAT))?;
+        }
+        tx.commit().await.map_err(failed(WHAT))
     }
 }
 

@@ -6,11 +6,13 @@ use vibrissa_core::units::Micros;
 use vibrissa_protocol::Refusal;
 use vibrissa_store::actions::{Action, Pending};
 use vibrissa_store::refusals::RefusalRow;
+use vibrissa_store::{Lease, StoreError, Writer};
 
 use super::Engine;
 use super::actions::{ACTIONS_MAX, Execution};
 use super::commit::committer::LeaseLost;
 use super::decommission::leaves;
+use super::quarantine::suspects::Suspects;
 use super::rollout::Rollout;
 use crate::readiness::SET_ASIDE_TOLD;
 
@@ -19,6 +21,28 @@ const REFUSING_ROBOTS_AT_A_TIME: usize = 100;
 
 /// Name of refused messages in the service's readiness.
 const REFUSED: &str = "refused";
+
+/// Reads actions that are pending, and whether there are more. Those for suspects wait: however many they are, the ones of
+/// others are read.
+async fn read_pending(writer: &mut Writer, lease: &Lease, suspects: &Suspects) -> Result<(Pending, bool), StoreError> {
+    let is_full = |read: &Pending| (read.actions.len() + read.unreadable.len()) as i64 == ACTIONS_MAX;
+    let first = writer.pending(lease, ACTIONS_MAX, &[]).await?;
+    if !is_full(&first) || suspects.is_empty() {
+        let are_more = is_full(&first);
+        return Ok((first, are_more));
+    }
+    let mut read = writer.pending(lease, ACTIONS_MAX, &suspects.names()).await?;
+    let are_more = is_full(&read);
+    // One of a suspect may have expired.
+    let of_suspects = |action: &Action| read.actions.iter().all(|other| other.action_id != action.action_id);
+    let waiting: Vec<Action> = first.actions.into_iter().filter(of_suspects).collect();
+    read.actions.extend(waiting);
+    read.unreadable.extend(first.unreadable);
+    read.actions.sort_by_key(|action| action.action_id);
+    read.unreadable.sort_unstable();
+    read.unreadable.dedup();
+    Ok((read, are_more))
+}
 
 impl Engine {
     /// Executes the pending actions. If the database is unreachable, this does not wait: the actions stay pending.
@@ -31,15 +55,15 @@ impl Engine {
         }
         let Some(committer) = self.pipeline.idle_committer() else { return Ok(()) };
         let (writer, lease) = committer.database();
-        let pending = match writer.pending(lease, ACTIONS_MAX).await {
-            Ok(pending) => pending,
+        let read = read_pending(writer, lease, &self.suspects).await;
+        let (Pending { actions: pending, unreadable }, are_more) = match read {
+            Ok(read) => read,
             Err(problem) => {
                 committer.failed(&problem, "cannot read operator actions");
                 return Ok(());
             }
         };
-        let Pending { actions: pending, unreadable } = pending;
-        if (pending.len() + unreadable.len()) as i64 == ACTIONS_MAX {
+        if are_more {
             self.action_sent.notify_one();
         }
         let (leaving, others): (Vec<&Action>, Vec<&Action>) = pending.iter().partition(|action| leaves(action));

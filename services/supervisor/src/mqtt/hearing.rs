@@ -27,6 +27,8 @@ const QUEUE_MAX: Duration = Duration::from_secs(15);
 const QUEUE_PER_S: f64 = 100.0;
 /// A judgement that is late by more follows a standstill of this process, which could not read in the meantime.
 const STANDSTILL: Duration = Duration::from_secs(1);
+/// Time limit for the acknowledgement of the subscriptions while nothing comes: a third of a trial.
+const UNANSWERED: Duration = Duration::from_secs(5);
 /// Delay of the first probe until the subscriptions are acknowledged.
 const NEVER: Duration = Duration::from_secs(365 * 86_400);
 
@@ -72,6 +74,8 @@ pub(super) enum Tick {
     Wait,
     /// Publish the probes of [`Hearing::probes`].
     Probe,
+    /// The broker does not acknowledge the subscriptions.
+    Unsubscribed,
     /// Nothing arrives through these filters.
     Deaf {
         /// Topics of the filters whose probe is missing, at least one.
@@ -88,6 +92,8 @@ pub(super) struct Hearing {
     prefix: String,
     probes: Vec<Probe>,
     due: Instant,
+    /// The broker has acknowledged the subscriptions.
+    is_subscribed: bool,
     /// Time at which this round was sent; `None` before the first.
     sent: Option<Instant>,
     /// Time at which the last probe of this round came back.
@@ -118,6 +124,7 @@ impl Hearing {
             prefix,
             probes,
             due: now + NEVER,
+            is_subscribed: false,
             sent: None,
             came: None,
             is_refused: false,
@@ -127,8 +134,16 @@ impl Hearing {
         }
     }
 
+    /// The subscriptions are on their way.
+    pub(super) fn asked(&mut self, now: Instant) {
+        if !self.is_subscribed {
+            self.due = now + UNANSWERED;
+        }
+    }
+
     /// The broker has acknowledged the subscriptions: the first probes are due.
     pub(super) fn subscribed(&mut self, now: Instant) {
+        self.is_subscribed = true;
         if self.sent.is_none() {
             self.due = now;
         }
@@ -213,6 +228,14 @@ impl Hearing {
     /// Judges the current round, or begins the next.
     pub(super) fn tick(&mut self, now: Instant) -> Tick {
         let Some(late) = now.checked_duration_since(self.due) else { return Tick::Wait };
+        if !self.is_subscribed {
+            // Messages may come before the answer. After a standstill of the process it waits in the socket.
+            if late <= STANDSTILL && std::mem::take(&mut self.messages) == 0 {
+                return Tick::Unsubscribed;
+            }
+            self.due = now + UNANSWERED;
+            return Tick::Wait;
+        }
         let messages = std::mem::take(&mut self.messages);
         let elapsed = now.saturating_duration_since(std::mem::replace(&mut self.judged, now));
         let missing: Vec<RobotTopic> =

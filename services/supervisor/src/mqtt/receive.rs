@@ -150,6 +150,7 @@ impl Receiver {
                     self.connection.link.limited(&self.connection.broker.node(), limits::low(&ack));
                     let all = self.subscriptions.begin();
                     self.subscribe(&client, all)?;
+                    hearing.asked(Instant::now());
                 }
                 Event::Incoming(Packet::SubAck(ack)) => {
                     if let Err(refused) = self.subscriptions.acknowledged(&ack.return_codes) {
@@ -251,6 +252,7 @@ pub(super) fn judge(
             let sent = client.try_publish(topic, payload.to_vec(), expiring());
             sent.map_err(|error| Problem::of_client(&connection.broker, &error))
         }),
+        Tick::Unsubscribed => Err(problem(Cause::Silent)),
         Tick::Deaf { topics, is_silent } => {
             deaf(&topics);
             Err(problem(Cause::Unheard { fleet: connection.fleet.clone(), topics, is_silent }))

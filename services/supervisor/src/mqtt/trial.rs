@@ -58,6 +58,7 @@ async fn prove_at(connection: &Connection) -> Result<(), Problem> {
                 let subscribed = subscribed.map(|filter| filter.retain_forward_rule(RetainForwardRule::Never));
                 let sent = client.try_subscribe_many(subscribed);
                 sent.map_err(|error| Problem::of_client(&connection.broker, &error))?;
+                hearing.asked(Instant::now());
             }
             Ok(Event::Incoming(Packet::SubAck(ack))) => {
                 if let Err(refused) = subscriptions.acknowledged(&ack.return_codes) {

@@ -122,6 +122,7 @@ fn sign_in(reader: &mut Reader) -> Option<Option<SignInOptions>> {
     let client_secret = reader.secret_file(Key::HttpOidcClientSecretFile);
     let is_public = reader.is_explicit(Key::HttpPublicUrl);
     let public_url = reader.parsed(Key::HttpPublicUrl, public_url);
+    let scopes = reader.texts(Key::HttpOidcScopes);
     if !reader.is_explicit(Key::HttpOidcClientId) {
         if is_secret {
             reader.refuse(Key::HttpOidcClientSecretFile, "has no effect without http.oidc_client_id");
@@ -132,9 +133,21 @@ fn sign_in(reader: &mut Reader) -> Option<Option<SignInOptions>> {
         let what = "needs the address to which the provider leads browsers back: set http.public_url";
         reader.refuse(Key::HttpOidcClientId, what);
     }
-    let client_id = reader.text(Key::HttpOidcClientId)?;
+    let (client_id, scopes) = (reader.text(Key::HttpOidcClientId)?, scopes?);
+    if let Some(bad) = scopes.iter().find(|scope| !is_scope(scope)) {
+        reader.refuse(
+            Key::HttpOidcScopes,
+            format!("{bad:?} is no scope: one is a word without spaces, quotes and backslashes"),
+        );
+        return None;
+    }
     (client_secret.is_some() == is_secret).then_some(())?;
-    Some(Some(SignInOptions { client_id, client_secret, public_url: public_url? }))
+    Some(Some(SignInOptions { client_id, client_secret, scopes, public_url: public_url? }))
+}
+
+/// Whether a text is a scope of OAuth 2 (RFC 6749, section 3.3).
+fn is_scope(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_graphic() && !matches!(byte, b'"' | b'\\'))
 }
 
 /// An address of the console: HTTPS or this machine, with the path that a proxy gives it.

@@ -212,6 +212,9 @@ policy_numbers! { keys {
         "Identifier of this service at the OpenID provider, for people who sign in at the console; default: no sign-in";
     HttpOidcClientSecretFile: "http.oidc_client_secret_file", ValueKind::File, None,
         "File with the secret of that client; leave it out for a public client";
+    HttpOidcScopes: "http.oidc_scopes", ValueKind::Texts, Some(r#"["profile"]"#),
+        "Scopes that the sign-in asks for besides openid. Add offline_access for a provider that gives refresh tokens only for \
+         it: otherwise a session ends with its first access token";
     HttpPublicUrl: "http.public_url", ValueKind::Text, None,
         "Address at which browsers reach the console, such as https://vibrissa.example, or https://hall.example/vibrissa \
          behind a proxy with a path; needed for the sign-in";

@@ -2,6 +2,7 @@
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use vibrissa_protocol::Name;
 use vibrissa_simulation::store::ModelStore;
 use vibrissa_store::actions::{Action, Asked, NewAction};
 use vibrissa_store::allowed::TurnedAwayReading;
@@ -157,7 +158,10 @@ fn number(asked: Asked) -> i64 {
 
 async fn actions(subject: &mut Subject, random: &mut ChaCha8Rng) -> String {
     let most = random.random_range(1..6);
-    let pending = subject.writer.pending(&subject.lease, most).await.unwrap();
+    let without =
+        subject.any_robot(random).filter(|_| random.random_bool(0.3)).map(|at| subject.robots[at].name.clone());
+    let without: Vec<Name> = without.and_then(|name| Name::new(&name).ok()).into_iter().collect();
+    let pending = subject.writer.pending(&subject.lease, most, &without).await.unwrap();
     let one = subject.any_action(random);
     let one = subject.store.action(one).await.unwrap();
     let place = |id| subject.actions.iter().position(|known| *known == id);

@@ -1,12 +1,16 @@
 //! A setpoint that a chamber is applying.
 
-use vibrissa_protocol::Setpoint;
+use vibrissa_protocol::{Regulator, Setpoint};
 
 use super::Chamber;
 use crate::contract::{Moment, Now};
+use crate::driver::ToDriver;
 
 /// Change of pressure that valves of small robots manage, in MPa/s.
 const VALVES_MPA_PER_S: f64 = 0.02;
+
+/// A pressure other than 0 that a chamber holds without harm, in MPa.
+const OTHER_MPA: f64 = 0.001;
 
 /// A setpoint that is being applied.
 #[derive(Debug)]
@@ -54,6 +58,35 @@ impl Chamber {
         let applying = self.applying.take()?;
         self.gain.applied(self.target_mpa, applying.reading_gain);
         Some(applying.command_id)
+    }
+
+    /// A driver refuses an order: a setpoint that is being applied fails now. Returns whether that is news. After a refusal of
+    /// another pressure the first one may still be for that: orders are repeated, and it comes again.
+    pub(in crate::agent) fn refuse(&mut self, now: Now) -> bool {
+        let is_told = match self.refused {
+            Some((mpa, is_told)) if mpa == self.target_mpa => is_told,
+            Some(_) => {
+                self.refused = Some((self.target_mpa, false));
+                return false;
+            }
+            None => false,
+        };
+        self.refused = Some((self.target_mpa, true));
+        if let Some(applying) = &mut self.applying {
+            applying.unsettle();
+            applying.fails_at = now.at;
+        }
+        !is_told
+    }
+
+    /// The line before a setpoint that ends a fault of the driver's own regulator. A new setpoint of the same pressure would be a
+    /// repeated line, which changes nothing.
+    pub(in crate::agent) fn ends_fault(&self, setpoint: &Setpoint) -> Option<ToDriver> {
+        let is_faulty = self.valves.is_none() && self.regulator == Some(Regulator::Fault);
+        let (array, whisker) = (self.array.clone(), self.number);
+        let pressure_mpa = if setpoint.pressure_mpa > 0.0 { 0.0 } else { OTHER_MPA };
+        let slew_mpa_per_s = setpoint.slew_mpa_per_s;
+        is_faulty.then_some(ToDriver::SetPressure { array, whisker, pressure_mpa, slew_mpa_per_s })
     }
 
     pub(in crate::agent) fn is_settled(&self) -> bool {

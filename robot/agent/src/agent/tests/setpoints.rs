@@ -248,3 +248,46 @@ fn a_touch_test_fails_if_the_driver_ends_or_never_finishes_it() {
         assert_eq!(last, Some(TouchTestOutcome::Failed), "{dies}");
     }
 }
+
+#[test]
+fn regress_an_order_that_a_board_refuses_fails_at_once_and_is_told_once() {
+    let mut bench = Bench::running();
+    let refusal =
+        r#"{"type":"error","array":"left","whisker":0,"problem":"the pressure is above limit_mpa, which is 0.11"}"#;
+    bench.order(1, 0.12);
+    bench.line(refusal);
+    let failed = (SetpointOutcome::Failed, Some(SetpointError::Fault));
+    assert_eq!(bench.outcomes().last(), Some(&failed));
+    bench.line(refusal);
+    assert_eq!(bench.warnings.iter().filter(|text| text.contains("refuses the order of 0.12 MPa")).count(), 1);
+    // The first refusal after that may be one of the earlier order.
+    bench.order(2, 0.13);
+    bench.line(refusal);
+    assert_eq!(bench.outcomes().last(), Some(&(SetpointOutcome::Applying, None)));
+    bench.line(refusal);
+    assert_eq!(bench.outcomes(), [failed]);
+    assert!(bench.warnings.last().is_some_and(|text| text.contains("0.13 MPa")), "{:?}", bench.warnings);
+    // Without a whisker it is the answer to a person.
+    bench.order(3, 0.1);
+    bench.line(r#"{"type":"error","problem":"0.3 is not allowed"}"#);
+    assert_eq!(bench.outcomes().last(), Some(&(SetpointOutcome::Applying, None)));
+}
+
+#[test]
+fn regress_a_new_setpoint_of_the_same_pressure_ends_the_fault_of_a_driver_that_regulates() {
+    for mpa in [0.1, 0.0] {
+        let mut bench = Bench::running();
+        bench.order(1, mpa);
+        bench.line(r#"{"type":"pressure","whisker":0,"pressure_mpa":0.0,"regulator":"FAULT"}"#);
+        bench.run(3.0);
+        bench.take();
+        bench.order(2, mpa);
+        let told = bench.pressures(0);
+        assert!(told.len() == 2 && told[0] != mpa && told[1] == mpa, "{told:?}");
+        // A good one is told the new pressure alone.
+        bench.line(r#"{"type":"pressure","whisker":0,"pressure_mpa":0.1,"regulator":"OK"}"#);
+        bench.take();
+        bench.order(3, 0.12);
+        assert_eq!(bench.pressures(0), [0.12]);
+    }
+}

@@ -1,6 +1,7 @@
 //! Words of a driver about itself.
 
 use serde::Deserialize;
+use vibrissa_protocol::Name;
 
 /// `hello`: the driver introduces itself.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -68,6 +69,10 @@ pub struct Configuration {
 pub struct Problem {
     /// Description of the error.
     pub problem: String,
+    /// Array of the whisker whose order was refused.
+    pub array: Option<Name>,
+    /// Number of that whisker; absent if the line was no order.
+    pub whisker: Option<u16>,
 }
 
 /// `driving`: the robot moves from now on, or stands.

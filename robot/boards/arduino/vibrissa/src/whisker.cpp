@@ -21,7 +21,7 @@ static const uint32_t SHIFT_US = 17300;
 void Whisker::begin(const WhiskerSettings &settings, bool is_locked, uint8_t slot) {
     set = &settings;
     locked = is_locked;
-    by_hand = silent = clipped = absent = false;
+    by_hand = silent = refused = clipped = absent = false;
     open_pin = NO_PIN;
     pressure_mpa = 0.0f;
     count = 0;
@@ -87,7 +87,8 @@ void Whisker::obey(const char *line, bool is_pressure) {
     if (locked) return;
     if (is_pressure) {
         float mpa = number(field(line, PSTR("pressure_mpa"))), slew = number(field(line, PSTR("slew_mpa_per_s")));
-        // The comparison is false for a value that is not a number.
+        // The comparisons are false for a value that is not a number.
+        refused = mpa > set->limit_mpa + ABOVE_MPA;
         if (!(mpa >= 0.0f && mpa <= set->limit_mpa + ABOVE_MPA)) return;
         heard();
         by_hand = false;
@@ -152,6 +153,14 @@ static const char *word_in_flash(Condition condition) {
 
 void Whisker::report() {
     uint32_t now_ms = millis();
+    if (refused && out_room() >= 240) {
+        refused = false;
+        put_head(PSTR("error"), now_ms);
+        put(PSTR(",\"problem\":\"the pressure is above limit_mpa, which is "));
+        put_float(set->limit_mpa);
+        put(PSTR("\",\"do\":\"lower pressure_max_mpa in agent.toml, or raise the limit of the board\"}\n"));
+        return;
+    }
     if (now_ms - last_pressure_ms < PRESSURE_MS) return;
     // A line waits for room, and is then a newer one.
     if (out_room() < 140) return;

@@ -39,7 +39,8 @@ class Whisker {
 
   private:
     const WhiskerSettings *set;
-    bool locked, by_hand, silent;
+    // `refused`: an order above the limit is to be answered.
+    bool locked, by_hand, silent, refused;
     uint8_t open_pin;
     uint32_t pulse_begin_us, pulse_us, last_order_ms, last_pressure_ms;
     float pressure_mpa;

@@ -6,7 +6,6 @@
 //! while it was whole.
 
 use crate::detection::Change;
-use crate::estimation::LengthEstimate;
 use crate::estimation::filter::Wander;
 use crate::mechanics::Offset;
 use crate::robot::Robot;
@@ -160,12 +159,6 @@ impl Whisker {
         if f64::from(self.filter.least_sd_mm()) < DOUBT_SD_MM {
             self.filter.keep_doubt(0.0);
         }
-    }
-
-    /// The length that the lag of an eroding whisker follows from: a doubt that contacts do not reduce is no lag.
-    pub(in crate::robot) fn worn_length(&self) -> LengthEstimate {
-        let is_in_doubt = f64::from(self.filter.least_sd_mm()) >= DOUBT_SD_MM;
-        if is_in_doubt { self.filter.learned_length() } else { self.filter.relative_length() }
     }
 
     /// Whether a loss of sensitivity was taken back, by its end or by a cut.

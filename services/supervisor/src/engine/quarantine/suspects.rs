@@ -52,6 +52,10 @@ impl Suspects {
         self.robots.contains_key(robot)
     }
 
+    pub(crate) fn names(&self) -> Vec<Name> {
+        self.robots.keys().cloned().collect()
+    }
+
     /// Handles robots whose rows were left out of a transaction.
     pub(crate) fn reject(
         &mut self,

@@ -35,6 +35,8 @@ pub struct SignInOptions {
     pub client_id: String,
     /// Its secret; `None` for a public client.
     pub client_secret: Option<Secret>,
+    /// Scopes to ask for besides `openid`.
+    pub scopes: Vec<String>,
     /// Address at which browsers reach the console, without a slash at the end.
     pub public_url: String,
 }

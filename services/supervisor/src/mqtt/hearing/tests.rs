@@ -39,7 +39,7 @@ fn until_done(hearing: &mut Hearing, mut between: impl FnMut(&mut Hearing)) -> (
         let due = hearing.due();
         match hearing.tick(due) {
             Tick::Wait => {}
-            done @ (Tick::Probe | Tick::Deaf { .. }) => return (done, due),
+            done @ (Tick::Probe | Tick::Unsubscribed | Tick::Deaf { .. }) => return (done, due),
         }
     }
 }
@@ -175,4 +175,20 @@ fn an_old_probe_does_not_answer_a_new_round() {
         assert!(hearing.take(topic.as_bytes(), &payload));
     }
     assert!(!hearing.is_proven());
+}
+
+#[test]
+fn regress_subscriptions_that_a_node_does_not_acknowledge_have_a_time_limit() {
+    let now = Instant::now();
+    let mut hearing = Hearing::new(&Name::new("f").unwrap(), kinds(), now);
+    hearing.asked(now);
+    assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Unsubscribed, now + UNANSWERED));
+    // Messages that come before the answer, and a standstill of the process, give it more time.
+    flood(&mut hearing, 1);
+    assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Unsubscribed, now + 2 * UNANSWERED));
+    let woken = now + 4 * UNANSWERED;
+    assert_eq!(hearing.tick(woken), Tick::Wait);
+    hearing.subscribed(woken);
+    hearing.asked(woken);
+    assert_eq!(until_done(&mut hearing, |_| {}), (Tick::Probe, woken));
 }

@@ -146,7 +146,8 @@ impl Provider {
     ) -> Result<String, Away> {
         let flow = AuthenticationFlow::<CoreResponseType>::AuthorizationCode;
         let client = self.client().await?;
-        let request = client.authorize_url(flow, || state, || nonce).add_scope(Scope::new("profile".to_owned()));
+        let request = client.authorize_url(flow, || state, || nonce);
+        let request = request.add_scopes(self.options.scopes.iter().cloned().map(Scope::new));
         let challenge = PkceCodeChallenge::from_code_verifier_sha256(verifier);
         Ok(request.set_pkce_challenge(challenge).url().0.into())
     }
