@@ -116,9 +116,11 @@ fn values(key: Key) -> [&'static str; 3] {
         Key::HttpTokenFile => ["token0", "token1", "token2"],
         Key::HttpOidcIssuer | Key::HttpOidcJwksUrl => ["https://i0.example", "https://i1.example", "http://[::1]:9"],
         Key::HttpRunbooksUrl => ["https://wiki.example/r0", "http://wiki.example/r1", "http://[::1]:9/r2"],
-        Key::HttpOidcAudience | Key::HttpOidcClientId | Key::HttpOidcRoleClaim | Key::HttpOidcFleetsClaim => {
-            ["c0", "c1", "c2"]
-        }
+        Key::HttpOidcAudience
+        | Key::HttpOidcClientId
+        | Key::HttpOidcRoleClaim
+        | Key::HttpOidcFleetsClaim
+        | Key::HttpOidcScopes => ["c0", "c1", "c2"],
         Key::HttpPublicUrl => ["https://c0.example", "https://c1.example:8443", "http://127.0.0.1:8080"],
         Key::HttpTrustedProxies => ["10.1.0.0/16", "127.0.0.1", "::1"],
         Key::WebhooksAllowedHosts => ["hooks.lan", "10.0.0.7", "::1"],
