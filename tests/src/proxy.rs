@@ -19,17 +19,22 @@ struct State {
     cuts: u64,
     /// Whether no data passes.
     stalled: bool,
-    /// Number of pieces of data that pass, in both directions together, until the next cut.
-    left: Option<u64>,
+    /// Number of bytes that pass, in both directions together, until the next cut.
+    left: Option<usize>,
 }
 
 impl State {
-    /// Counts a piece of data. Returns whether the link is cut instead.
-    fn is_last(&mut self) -> bool {
-        let is_cut = self.left == Some(0);
-        self.left = self.left.and_then(|left| left.checked_sub(1));
-        self.cuts += u64::from(is_cut);
-        is_cut
+    /// How many of so many bytes pass before the cut.
+    fn passes(&mut self, bytes: usize) -> usize {
+        let Some(left) = &mut self.left else { return bytes };
+        let passes = bytes.min(*left);
+        *left -= passes;
+        passes
+    }
+
+    fn cut(&mut self) {
+        self.cuts += 1;
+        self.left = None;
     }
 }
 
@@ -62,12 +67,12 @@ impl Proxy {
 
     /// Closes every existing connection; new ones can be made at once.
     pub fn cut(&self) {
-        self.state.send_modify(|state| state.cuts += 1);
+        self.state.send_modify(State::cut);
     }
 
-    /// Closes every connection once so many more pieces of data have passed, in both directions together.
-    pub fn cut_after(&self, pieces: u64) {
-        self.state.send_modify(|state| state.left = Some(pieces));
+    /// Closes every connection once so many more bytes have passed, in both directions together.
+    pub fn cut_after(&self, bytes: usize) {
+        self.state.send_modify(|state| state.left = Some(bytes));
     }
 
     /// Silently stops all data, or lets it pass again together with the data that has waited.
@@ -123,12 +128,18 @@ async fn pass(mut from: OwnedReadHalf, mut to: OwnedWriteHalf, state: watch::Sen
     let mut watched = state.subscribe();
     while let Ok(length @ 1..) = from.read(&mut buffer).await {
         passable(&mut watched).await;
-        if state.send_if_modified(State::is_last) {
+        let mut passes = length;
+        state.send_if_modified(|state| {
+            passes = state.passes(length);
+            false
+        });
+        if to.write_all(&buffer[..passes]).await.is_err() {
+            return;
+        }
+        if passes < length {
+            state.send_modify(State::cut);
             // The cut ends this connection.
             pending::<()>().await;
-        }
-        if to.write_all(&buffer[..length]).await.is_err() {
-            return;
         }
     }
     // The end of a stream is delayed by a stall like data.
@@ -203,13 +214,14 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_cut_comes_after_so_many_pieces() {
+    async fn a_cut_comes_after_so_many_bytes() {
         let proxy = Proxy::to(echo().await).await;
         let mut stream = client(&proxy).await;
-        proxy.cut_after(3);
+        // Three there, three back, and a part of the next ones.
+        proxy.cut_after(7);
         says_again(&mut stream, b"one").await;
         stream.write_all(b"two").await.unwrap();
-        assert!(!matches!(stream.read(&mut [0; 8]).await, Ok(1..)), "the answer is the fourth piece");
+        assert!(!matches!(stream.read(&mut [0; 8]).await, Ok(1..)), "the link is cut before an answer");
         says_again(&mut client(&proxy).await, b"three").await;
     }
 

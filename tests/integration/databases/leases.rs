@@ -65,8 +65,8 @@ async fn regress_a_commit_whose_answer_is_lost_is_written_once() {
     let mut failures = 0;
     for seq in 0..60 {
         let batch = contacts(&robot, seq..seq + 1);
-        // The link is cut after another piece of data of each commit.
-        proxy.cut_after(seq as u64 % 20);
+        // The link is cut after another number of bytes of each commit and its answer.
+        proxy.cut_after(60 * seq as usize);
         while writer.commit(&lease, &batch).await.is_err() {
             failures += 1;
         }

@@ -6,7 +6,7 @@
 //! transaction before the one in `redo`.
 
 use std::collections::BTreeMap;
-use std::net::{SocketAddr, TcpListener};
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -195,16 +195,14 @@ fn is_list(path: &str, list: &str) -> bool {
 struct Opened {
     process: Process,
     http: SocketAddr,
-    /// In place of a broker. It answers nothing: a supervisor that hears a broker would call the fixture's robots silent.
-    _silent_broker: TcpListener,
     folder: TempDir,
 }
 
 impl Opened {
     async fn start(folder: TempDir, database: &str) -> Self {
         let http = SocketAddr::from(([127, 0, 0, 1], free_port()));
-        let silent_broker = TcpListener::bind("127.0.0.1:0").unwrap();
-        let mqtt = silent_broker.local_addr().unwrap().port().to_string();
+        // Nobody listens there: a supervisor with a broker would call the robots of the fixture silent.
+        let mqtt = free_port().to_string();
         let arguments =
             ["run", "--fleet", "f", "--http", &http.to_string(), "--mqtt-port", &mqtt, "--database-url", database];
         let all_ages = ["--records-days", "--contacts-days", "--rollups-minutes-days", "--black-box-days"];
@@ -215,7 +213,7 @@ impl Opened {
             environment: vec![("RUST_LOG".to_owned(), "warn".to_owned())],
             log: folder.path().join("log"),
         };
-        let opened = Self { process: Process::start(launch), http, _silent_broker: silent_broker, folder };
+        let opened = Self { process: Process::start(launch), http, folder };
         until_true("the supervisor owns the fleet", async || {
             try_get(http, "/readyz").await.is_ok_and(|(status, _)| status == 200)
         })
