@@ -144,10 +144,9 @@ fn regress_a_leak_ends_where_statuses_are_seldom() {
     }
 }
 
-/// Refills follow each other within a second, so that only the scatter of the readings shows the leak. One status that came late
-/// ended it.
+/// Refills follow each other within a second, so that only the scatter of the readings shows the leak.
 #[test]
-fn regress_one_late_status_ends_no_leak() {
+fn property_one_late_status_ends_no_leak() {
     for seed in 80..86 {
         let (mut plant, mut watch) = (Plant::new(Valves::Band(3.0), COARSE_KPA, seed), LeakWatch::default());
         assert_eq!(plant.called_within(&mut watch, LEARNED_S), None, "seed {seed}");
