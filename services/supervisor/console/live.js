@@ -125,7 +125,7 @@ export class Live {
         else this.#tell(problem.isSilence || !navigator.onLine ? "offline" : "reconnecting");
       }
       if (stopped.aborted) return;
-      // The service ends each stream after a while: only a failed attempt is told.
+      // The service ends each stream after a while. Only a failed attempt changes the state.
       await this.#pause();
     }
   }

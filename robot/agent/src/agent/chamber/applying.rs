@@ -9,7 +9,7 @@ use crate::driver::ToDriver;
 /// Change of pressure that valves of small robots manage, in MPa/s.
 const VALVES_MPA_PER_S: f64 = 0.02;
 
-/// A pressure other than 0 that a chamber holds without harm, in MPa.
+/// Distance of the pressure that ends a fault from the setpoint after it, in MPa: too little to matter to a chamber.
 const OTHER_MPA: f64 = 0.001;
 
 /// A setpoint that is being applied.
@@ -84,7 +84,8 @@ impl Chamber {
     pub(in crate::agent) fn ends_fault(&self, setpoint: &Setpoint) -> Option<ToDriver> {
         let is_faulty = self.valves.is_none() && self.regulator == Some(Regulator::Fault);
         let (array, whisker) = (self.array.clone(), self.number);
-        let pressure_mpa = if setpoint.pressure_mpa > 0.0 { 0.0 } else { OTHER_MPA };
+        let is_low = setpoint.pressure_mpa < OTHER_MPA;
+        let pressure_mpa = setpoint.pressure_mpa + if is_low { OTHER_MPA } else { -OTHER_MPA };
         let slew_mpa_per_s = setpoint.slew_mpa_per_s;
         is_faulty.then_some(ToDriver::SetPressure { array, whisker, pressure_mpa, slew_mpa_per_s })
     }
