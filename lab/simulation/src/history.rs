@@ -4,9 +4,6 @@ use std::collections::VecDeque;
 use std::fmt::Write as _;
 use std::time::Duration;
 
-/// Most steps that are kept.
-const STEPS: usize = 4_000;
-
 /// One step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Step {
@@ -21,14 +18,22 @@ pub struct Step {
 }
 
 /// A history, as a hash of its steps and the newest of them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct History {
+    /// Most steps that are kept.
+    most: usize,
     hash: u64,
     count: u64,
     steps: VecDeque<Step>,
 }
 
 impl History {
+    /// An empty history that keeps the newest steps, and of all others the hash.
+    #[must_use]
+    pub const fn keeping(most: usize) -> Self {
+        Self { most, hash: 0, count: 0, steps: VecDeque::new() }
+    }
+
     /// Adds a step.
     pub fn add(&mut self, step: Step) {
         let Step { at, from, to, what } = &step;
@@ -37,7 +42,7 @@ impl History {
         let bytes = nanos.into_iter().chain([from, to, what].into_iter().flat_map(|text| text.bytes()));
         self.hash = bytes.fold(hash, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
         self.count += 1;
-        if self.steps.len() == STEPS {
+        if self.steps.len() >= self.most {
             self.steps.pop_front();
         }
         self.steps.push_back(step);
@@ -114,7 +119,7 @@ mod tests {
     #[test]
     fn a_hash_depends_on_each_step_and_their_order() {
         let hash = |steps: &[Step]| {
-            let mut history = History::default();
+            let mut history = History::keeping(1);
             steps.iter().cloned().for_each(|step| history.add(step));
             history.hash()
         };

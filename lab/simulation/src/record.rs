@@ -11,7 +11,7 @@ use vibrissa_store::batch::{ContactRow, Record as Row, SetpointRow};
 
 use crate::invariants::{Invariant, Violation};
 use crate::oracle::ledger::{Content, Ledger, Recorded};
-use crate::oracle::obedience::{Decided, Obedience};
+use crate::oracle::obedience::{self, Decided, LOST, Obedience};
 use crate::robots::SimulatedRobot;
 use crate::scenario::{self, WhiskerName};
 use crate::store::{Fact, FactRow, ModelStore};
@@ -41,8 +41,6 @@ const TRUE_FAULTS: [&str; 11] = [
     "PROPOSED",
     "SUPPLY_LOW",
 ];
-/// Word of a setpoint whose commit a failover has lost.
-const LOST: &str = "ABANDONED";
 
 /// What the store has said.
 #[derive(Debug, Default, Clone)]
@@ -308,12 +306,18 @@ impl Record {
             (Invariant::SetpointOnce, verdict.twice),
             (Invariant::SetpointFresh, verdict.stale),
             (Invariant::SetpointCommitted, verdict.uncommitted),
-            (Invariant::SetpointForDecision, verdict.two_for_one),
         ] {
             if count > 0 && !self.violations.iter().any(|one| one.invariant == invariant) {
                 let example = self.obedience.uncommitted(&decided).next().unwrap_or_default();
                 self.violated(invariant, format!("{count} setpoints {example}"));
             }
+        }
+        self.check_decisions(verdict.two_for_one);
+    }
+
+    fn check_decisions(&mut self, two_for_one: u64) {
+        if two_for_one > 0 {
+            self.violated(Invariant::SetpointForDecision, format!("{two_for_one} setpoints"));
         }
     }
 
@@ -346,6 +350,8 @@ impl Record {
 
     /// Goes back to a snapshot: what was committed since then is lost, which is nobody's fault.
     pub fn lose_since(&mut self, Snapshot(mut before): Snapshot) {
+        let decided: Vec<Decided> = self.committed.decided.values().cloned().collect();
+        self.check_decisions(obedience::two_for_one(&decided));
         // Numbers of lost boots are given again.
         self.boots.clear();
         self.committed.ledger.lose_since(&before.ledger);

@@ -31,6 +31,8 @@ use crate::store::ModelStore;
 const BEGUN_US: i64 = 1_800_000_000_000_000;
 /// Time in which everything must settle after the last fault.
 const SETTLED_WITHIN: Duration = Duration::from_secs(180);
+/// Steps of a history that are kept: enough for a diagram of its end.
+const NEWEST: usize = 400;
 /// Interval between two checks.
 const CHECKED_EVERY: Duration = Duration::from_millis(500);
 
@@ -95,13 +97,22 @@ pub(crate) struct World {
 /// The runtime cannot be made.
 #[must_use]
 pub fn run(plan: &Plan) -> Outcome {
+    run_keeping(NEWEST, plan)
+}
+
+/// As [`run`], with at most so many steps of the history.
+///
+/// # Panics
+/// The runtime cannot be made.
+#[must_use]
+pub fn run_keeping(steps: usize, plan: &Plan) -> Outcome {
     let mut builder = tokio::runtime::Builder::new_current_thread();
     builder.enable_time().start_paused(true);
     #[cfg(tokio_unstable)]
     builder.rng_seed(tokio::runtime::RngSeed::from_bytes(&plan.seed.to_le_bytes()));
     let runtime = builder.build().expect("a runtime without I/O");
     let (mut outcome, panics) = panics::watched(|| {
-        let outcome = runtime.block_on(async { World::new(plan).run(plan).await });
+        let outcome = runtime.block_on(async { World::new(steps, plan).run(plan).await });
         // Tasks that wait for ever are dropped.
         drop(runtime);
         outcome
@@ -112,7 +123,7 @@ pub fn run(plan: &Plan) -> Outcome {
 }
 
 impl World {
-    fn new(plan: &Plan) -> Self {
+    fn new(steps: usize, plan: &Plan) -> Self {
         let begun = Instant::now();
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed ^ 0x0077_6f72_6c64);
         let broker = ModelBroker::new(plan.seed, Limits::default());
@@ -132,8 +143,8 @@ impl World {
         }
         let mut record = Record::default();
         record.cut.extend(cut);
-        let observations =
-            Arc::new(Mutex::new(Observations { record, history: History::default(), heard: VecDeque::new() }));
+        let (history, heard) = (History::keeping(steps), VecDeque::new());
+        let observations = Arc::new(Mutex::new(Observations { record, history, heard }));
         let mut members = Vec::new();
         for number in 0..plan.supervisors {
             let (ahead_us, drift_ppm) = (random.random_range(-200_000..200_000), random.random_range(-50..50));

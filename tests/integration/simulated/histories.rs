@@ -78,6 +78,13 @@ fn regress_an_alarm_that_is_committed_late_is_judged_by_the_time_at_which_it_was
     assert_eq!(outcome.alarms.get("ROBOT_SILENT"), Some(&1), "the robot was away");
 }
 
+/// A setpoint expired, and the next owner set its pressure again. A failover lost both, and then the robot's status came late: it
+/// had applied the first one.
+#[test]
+fn regress_a_setpoint_that_a_failover_has_lost_follows_none_of_those_that_are_left() {
+    assert_eq!(problem(&Plan::draw(401_156, Sizes::default())), None);
+}
+
 #[test]
 fn property_a_seed_gives_the_same_history_with_many_supervisors() {
     let sizes = Sizes { supervisors: 6, robots: 12, length: Duration::from_secs(60), are_fixed: true };

@@ -8,6 +8,8 @@ use vibrissa_simulator::HeardSetpoint;
 /// Largest difference in MPa of two equal pressures, and of two equal gains: reading JSON may change a number's last
 /// bit.
 const SAME: f64 = 1e-12;
+/// State of a setpoint whose commit a failover has lost. No database has it.
+pub const LOST: &str = "LOST";
 
 /// A setpoint in the database.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +37,7 @@ pub struct Decided {
 impl Decided {
     /// Whether it ended without being applied, so that another one may follow for the same purpose.
     fn came_to_nothing(&self) -> bool {
-        matches!(self.state.as_str(), "REJECTED" | "FAILED" | "SUPERSEDED" | "EXPIRED" | "ABANDONED")
+        matches!(self.state.as_str(), "REJECTED" | "FAILED" | "SUPERSEDED" | "EXPIRED" | "ABANDONED" | LOST)
     }
 
     /// Whether both set the same pressure and gain for the same purpose. A refinement may change the gain alone.
@@ -165,7 +167,9 @@ impl Obedience {
 ///
 /// A compensation may set the same pressure and gain again when the last attempt expired, was refused or failed. A
 /// release has no compensation: it follows another setpoint of its whisker, or a release that was not applied.
-fn two_for_one(decided: &[Decided]) -> u64 {
+///
+/// A failover takes the ends of earlier setpoints back, so a lost setpoint follows none of what is left.
+pub fn two_for_one(decided: &[Decided]) -> u64 {
     let mut by_whisker: BTreeMap<&(String, String, i64), Vec<&Decided>> = BTreeMap::new();
     for row in decided {
         by_whisker.entry(&row.whisker).or_default().push(row);
@@ -173,9 +177,12 @@ fn two_for_one(decided: &[Decided]) -> u64 {
     let mut count = 0;
     for rows in by_whisker.values_mut() {
         rows.sort_by_key(|row| row.order);
-        for (at, row) in rows.iter().enumerate() {
+        for (at, row) in rows.iter().enumerate().filter(|(_, row)| row.state != LOST) {
             let before = match row.compensation_id {
-                Some(_) => rows[..at].iter().rev().find(|earlier| earlier.has_the_purpose_of(row)),
+                Some(_) => {
+                    let mut kept = rows[..at].iter().rev().filter(|earlier| earlier.state != LOST);
+                    kept.find(|earlier| earlier.has_the_purpose_of(row))
+                }
                 None => rows[..at].last().filter(|earlier| earlier.has_the_purpose_of(row)),
             };
             if let Some(earlier) = before.filter(|earlier| !earlier.came_to_nothing()) {
@@ -312,6 +319,15 @@ mod tests {
         assert_eq!(two_for_one(&[decided(1, "APPLIED"), restarted]), 0);
         let elsewhere = Decided { whisker: ("r".to_owned(), "left".to_owned(), 2), ..decided(2, "APPLIED") };
         assert_eq!(two_for_one(&[decided(1, "APPLIED"), elsewhere]), 0);
+    }
+
+    #[test]
+    fn regress_a_lost_setpoint_followed_an_end_that_is_lost_too() {
+        assert_eq!(two_for_one(&[decided(1, "EXPIRED"), decided(2, "APPLIED")]), 0);
+        // After the failover the robot's status says that it applied the first one.
+        assert_eq!(two_for_one(&[decided(1, "APPLIED"), decided(2, LOST)]), 0);
+        assert_eq!(two_for_one(&[decided(1, "APPLIED"), decided(2, LOST), decided(3, "PENDING")]), 1);
+        assert_eq!(two_for_one(&[decided(1, LOST), decided(2, "APPLIED")]), 0);
     }
 
     #[test]

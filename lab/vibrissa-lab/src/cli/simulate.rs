@@ -87,7 +87,7 @@ pub fn run(args: &SimulateArgs, out: &mut dyn Write) -> anyhow::Result<ExitCode>
     ensure!(args.hours > 0.0 && args.hours.is_finite(), "--hours must be above 0");
     if args.history {
         let plan = args.plan(args.seed);
-        let outcome = world::run(&plan);
+        let outcome = world::run_keeping(usize::MAX, &plan);
         for step in &outcome.steps {
             writeln!(out, "{:.6} {} {} {}", step.at.as_secs_f64(), step.from, step.to, step.what)?;
         }
