@@ -60,10 +60,4 @@ impl Statistics {
     pub fn faults_in_all(&self) -> u64 {
         self.faults.values().sum()
     }
-
-    /// Share of all ordered pairs of kinds that occurred, 0 to 1.
-    #[must_use]
-    pub fn pairs_covered(&self) -> f64 {
-        self.pairs.len() as f64 / Kind::all().count().pow(2) as f64
-    }
 }

@@ -149,8 +149,8 @@ fn walk(list: &[(f64, f64)], begin: Begin, disturbance: Disturbance) {
 }
 
 #[test]
-fn one_of_two_whiskers_of_an_uno_is_compensated() {
-    walk(&[(1.0, 0.006), (-1.0, 0.02)], Begin::at("uno", 0.8), Disturbance::None);
+fn one_of_two_whiskers_of_an_uno_is_compensated_although_the_clock_is_set() {
+    walk(&[(1.0, 0.006), (-1.0, 0.02)], Begin::at("uno", 0.8), Disturbance::ClockSet(3_600));
 }
 
 #[test]
@@ -170,11 +170,6 @@ fn a_board_that_restarts_is_served_again() {
     // Its chamber is filled, and the agent has not given it up.
     let mpa = world.robot.pressures_mpa[0];
     assert!((mpa - NOMINAL_MPA).abs() < TOLERANCE_MPA && world.robot.restarts == 0, "{mpa} MPa");
-}
-
-#[test]
-fn a_whisker_of_an_uno_is_compensated_although_the_clock_is_set() {
-    walk(&[(-1.0, 0.02)], Begin::at("uno", 0.9), Disturbance::ClockSet(3_600));
 }
 
 #[test]

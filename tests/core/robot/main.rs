@@ -13,7 +13,6 @@ mod factsheet;
 mod false_alarms;
 mod faults;
 mod flapping;
-mod formats;
 mod gains;
 mod health;
 mod late_status;

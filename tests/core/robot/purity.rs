@@ -33,20 +33,6 @@ fn property_the_same_events_give_the_same_effects() {
 }
 
 #[test]
-fn property_stored_and_taken_up_again_it_goes_on_as_if_nothing_had_happened() {
-    let mut straight = World::new(&eventful(), params());
-    let mut stored = World::new(&eventful(), params());
-    straight.run_until_s(30.0);
-    for second in 1..=30 {
-        stored.run_until_s(f64::from(second));
-        let whiskers: Vec<Vec<u8>> =
-            (0..stored.core.whisker_count()).filter_map(|index| stored.core.whisker_to_bytes(index)).collect();
-        stored.core = Robot::from_bytes(&stored.core.to_bytes().unwrap(), &whiskers, 1, Micros::default()).unwrap();
-    }
-    assert_eq!(straight.effects, stored.effects);
-}
-
-#[test]
 fn bytes_of_another_version_are_refused_by_name() {
     let mut world = World::new(&eventful(), params());
     world.run_until_s(1.0);

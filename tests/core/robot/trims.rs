@@ -99,26 +99,6 @@ fn a_whisker_cut_too_short_is_left_unserved_with_an_alarm() {
     assert_eq!(alarms, [AlarmKind::Uncompensated]);
 }
 
-#[test]
-fn erosion_is_called_erosion() {
-    for whisker in 0..4 {
-        let mut one = super::scenario(10, ArrayType::Type2, &[70.0, 70.0, 70.0, 70.0]);
-        let rate_mm_per_contact = 0.001 * f64::from(whisker + 1);
-        let change = Change::Erode { rate_mm_per_contact, until_length_mm: 60.0 };
-        one.robots[0].events.push(Event::at_contact(CUT_AT, super::name("left"), whisker, change));
-        let world = run(&one, 3000);
-        assert_eq!(trims(&world), [], "erosion is no trim");
-        let index = usize::from(whisker);
-        let view = world.core.whisker(index).unwrap();
-        assert_eq!(view.condition, Condition::Eroding, "whisker {index}");
-        let truth = world.robot.whiskers()[index].plant().length_mm();
-        let off_mm = (view.length.length.mm() - truth).abs();
-        // With each setpoint that follows, the model's error by pressure counts as length, and widens the interval.
-        let sd_mm = view.length.sd_mm;
-        assert!(off_mm < 2.6 * sd_mm && sd_mm < 1.2, "whisker {index}: {off_mm} mm off {truth}, sd {sd_mm}");
-    }
-}
-
 /// Far off the length that the model is linearised at, the rest of a fitted step is no sign of erosion; and a
 /// supposed small change under way must not take the cut's contacts for outliers.
 #[test]

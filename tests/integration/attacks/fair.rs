@@ -163,8 +163,3 @@ async fn others_are_receipted_while_one_robot_floods(kind: DatabaseKind) {
 async fn regress_others_are_receipted_while_one_robot_floods_on_sqlite() {
     others_are_receipted_while_one_robot_floods(DatabaseKind::Sqlite).await;
 }
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn regress_others_are_receipted_while_one_robot_floods_on_postgres() {
-    others_are_receipted_while_one_robot_floods(DatabaseKind::Postgres).await;
-}

@@ -81,11 +81,6 @@ fn webhooks_that_nobody_holds_are_found() {
 }
 
 #[test]
-fn states_of_a_newer_program_that_are_overwritten_are_found() {
-    fault_is_found(Fault::NewerStateRead, Invariant::NewerStateKept);
-}
-
-#[test]
 fn a_history_that_overwrites_states_of_a_newer_program_is_shrunk() {
     let sizes = Sizes { supervisors: 3, robots: 6, length: Duration::from_secs(60), are_fixed: true };
     let kinds = [Kind::SupervisorUpgraded, Kind::SupervisorKilled, Kind::SupervisorFrozen];

@@ -10,8 +10,8 @@ use vibrissa_simulation::world::run;
 
 use crate::{LOST_EPOCHS, strike};
 
-/// Seeds that take about a minute of one core in all.
-const SEEDS: std::ops::RangeInclusive<u64> = 1..=100;
+/// Seeds that take about half a minute of one core in all. `tests/release` simulates a day.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=40;
 
 /// Runs a history, and says which invariants it violates.
 fn problem(plan: &Plan) -> Option<String> {
@@ -28,12 +28,11 @@ fn property_drawn_histories_keep_all_invariants() {
 }
 
 /// A failover lost the commit that began an epoch, after the database's clock had gone back. The control of this error finds it in
-/// histories like these; the seeds once found it with all kinds of faults.
+/// histories like these.
 #[test]
 fn regress_no_epoch_is_given_twice_after_a_failover_with_a_clock_that_went_back() {
     let drawn = |seed| Plan::draw(seed, Sizes::default());
-    let plans = (1..=30).map(|seed| drawn(seed).only(&LOST_EPOCHS)).chain([16, 119, 187].map(drawn));
-    for plan in plans {
+    for plan in (1..=30).map(|seed| drawn(seed).only(&LOST_EPOCHS)) {
         let violations = run(&plan).violations;
         assert!(
             violations.iter().all(|one| one.invariant != Invariant::EpochOnce),
@@ -88,13 +87,11 @@ fn regress_a_setpoint_that_a_failover_has_lost_follows_none_of_those_that_are_le
 #[test]
 fn property_a_seed_gives_the_same_history_with_many_supervisors() {
     let sizes = Sizes { supervisors: 6, robots: 12, length: Duration::from_secs(60), are_fixed: true };
-    for seed in 1..=3 {
-        let hash = move || {
-            let outcome = run(&Plan::draw(seed, sizes));
-            (outcome.hash, outcome.steps_in_all)
-        };
-        // Each thread has hash maps with other keys.
-        let (other, own) = (thread::spawn(hash), hash());
-        assert_eq!(own, other.join().expect("a run"), "seed {seed}");
-    }
+    let hash = move || {
+        let outcome = run(&Plan::draw(1, sizes));
+        (outcome.hash, outcome.steps_in_all)
+    };
+    // Each thread has hash maps with other keys.
+    let (other, own) = (thread::spawn(hash), hash());
+    assert_eq!(own, other.join().expect("a run"));
 }

@@ -66,10 +66,4 @@ impl Now {
     pub const fn stamp_of(&self, system_us: u64) -> u64 {
         self.stamp_us.saturating_add(system_us).saturating_sub(self.system_us)
     }
-
-    /// The system's time of something that happened at this time by the robot's clock.
-    #[must_use]
-    pub const fn system_time_of(&self, stamp_us: u64) -> u64 {
-        self.system_us.saturating_add(stamp_us).saturating_sub(self.stamp_us)
-    }
 }

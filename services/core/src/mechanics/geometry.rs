@@ -77,12 +77,6 @@ impl Geometry {
         }
     }
 
-    /// Position of the apex of the body's cone, in mm: upper limit of a whisker's length.
-    #[must_use]
-    pub fn cone_end_mm(&self) -> f64 {
-        self.l_mm + self.l3_mm
-    }
-
     /// Share of the second moment of area that the thin wall of eq. 5 and 6 leaves out, at the chamber's large and small
     /// end: `1 - I2 / I2 exact`, with the wall between D2 (bar) - t and D2 (bar) + t.
     #[must_use]

@@ -13,7 +13,6 @@ use sqlx::sqlite::SqliteRow;
 use sqlx::{ColumnIndex, Decode, FromRow, Postgres, Row, Sqlite, Type};
 
 use vibrissa_edge::fleets::FleetSelection;
-use vibrissa_edge::labels::LabelConditions;
 
 use super::database::Either;
 use super::set_aside::{SetAside, Tried};
@@ -142,11 +141,6 @@ impl Selection {
     /// Adds the condition that at least one column contains a text, if one is given.
     pub fn contains(&mut self, columns: &'static [&'static str], text: Option<impl ToString>) {
         self.filters.extend(text.map(|text| Filter::Contains(columns, text.to_string())));
-    }
-
-    /// Adds the conditions on the labels of the robot whose number is in a column.
-    pub fn has_labels(&mut self, column: &'static str, conditions: Option<&LabelConditions>) {
-        self.filters.extend(Filter::labels(column, conditions));
     }
 
     /// Adds a condition.

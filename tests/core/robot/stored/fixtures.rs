@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use vibrissa_core::robot::Robot;
+use vibrissa_core::robot::{RestoreError, Robot};
 
 use super::life::{Life, Store};
 use super::{BOOTS, parts_of, rare};
@@ -247,4 +247,19 @@ fn regress_whiskers_of_version_7_are_read_with_their_test_for_leaks() {
     let of_version_7 = FIXTURES.iter().find(|fixture| fixture.whiskers == 7).unwrap();
     let parts = parts_in(&of_version_7.stores());
     assert!(parts["leak: test"] && parts["leak: is_leaking"], "{parts:?}");
+}
+
+#[test]
+fn regress_bytes_of_a_later_version_are_told_from_damaged_ones() {
+    let Store { head, whiskers } = FIXTURES[0].stores().swap_remove(0);
+    let of_whisker = |by: u8| {
+        let mut later = whiskers.clone();
+        later[0][0] += by;
+        Robot::restore(&head, &later).err()
+    };
+    assert_eq!([of_whisker(1), of_whisker(100)], [Some(RestoreError::Newer); 2]);
+    assert_eq!(of_whisker(101), Some(RestoreError::Whisker(0)), "no program had so many versions");
+    let of_head = |version: u8| Robot::restore(&[&[version, 0], &head[2..]].concat(), &[]).err();
+    assert_eq!([of_head(13), of_head(112)], [Some(RestoreError::Newer); 2]);
+    assert_eq!([of_head(0), of_head(113)], [Some(RestoreError::Head); 2]);
 }
