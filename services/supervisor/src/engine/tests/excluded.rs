@@ -25,7 +25,7 @@ fn command(version: u64) -> Command {
     }
 }
 
-/// What goes out for a new setpoint of the first robot.
+/// The publications of a new setpoint of the first robot.
 fn setpoint(worker: &mut Worker, version: u64) -> Vec<Publication> {
     let (robots, stepper) = worker.parts();
     stepper.batch_mut().take_publications();
