@@ -7,6 +7,8 @@ use super::{Store, StoreError, failed};
 
 /// Largest number of sessions; the oldest ones beyond end.
 const SESSIONS_MAX: i64 = 10_000;
+/// A session that begins further in the future was begun by a clock that was ahead, µs.
+const AHEAD_US_MAX: i64 = 3_600_000_000;
 
 from_row! {
     /// A session of the console.
@@ -25,6 +27,15 @@ from_row! {
     }
 }
 
+impl SessionRow {
+    /// Whether the session holds at this time. One of a clock that was ahead does not: it would hold for as long as the clock was
+    /// ahead.
+    #[must_use]
+    pub fn holds(&self, now_us: i64) -> bool {
+        self.created_us <= now_us.saturating_add(AHEAD_US_MAX) && now_us < self.expires_us
+    }
+}
+
 impl Store {
     /// Stores a new session, and records the sign-in in the audit log. Sessions that have ended are deleted.
     ///
@@ -32,8 +43,8 @@ impl Store {
     /// The database cannot be written.
     pub async fn add_session(&self, row: &SessionRow, action: &NewAction) -> Result<(), StoreError> {
         const WHAT: &str = "store a session";
-        const ENDED: &str = "DELETE FROM console_sessions WHERE expires_us <= $1 OR session_id IN (SELECT session_id \
-             FROM console_sessions ORDER BY created_us DESC LIMIT $2 OFFSET $2)";
+        const ENDED: &str = "DELETE FROM console_sessions WHERE expires_us <= $1 OR created_us > $3 OR session_id IN \
+             (SELECT session_id FROM console_sessions ORDER BY created_us DESC LIMIT $2 OFFSET $2)";
         const INSERT: &str = "INSERT INTO console_sessions (session_id, actor, sealed, created_us, expires_us) \
              VALUES ($1, $2, $3, $4, $5)";
         let mut tx = self.pool.begin().await.map_err(failed(WHAT))?;
@@ -41,6 +52,7 @@ impl Store {
         on!(&mut tx, |tx| sqlx::query(ENDED)
             .bind(row.created_us)
             .bind(SESSIONS_MAX)
+            .bind(row.created_us.saturating_add(AHEAD_US_MAX))
             .execute(&mut **tx)
             .await
             .map(drop))
@@ -107,5 +119,27 @@ impl Store {
         on!(&mut tx, |tx| sqlx::query(SQL).bind(session_id).execute(&mut **tx).await.map(drop))
             .map_err(failed(WHAT))?;
         tx.commit().await.map_err(failed(WHAT))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A clock was ahead by a year: once it was right again, sessions that had begun meanwhile held for a year.
+    #[test]
+    fn regress_a_session_of_a_clock_that_was_ahead_does_not_hold() {
+        let row = |created_us| SessionRow {
+            session_id: Vec::new(),
+            actor: "ada".to_owned(),
+            sealed: Vec::new(),
+            created_us,
+            expires_us: created_us + 12 * AHEAD_US_MAX,
+        };
+        let now_us = 1_795_248_000_000_000;
+        let holds = |created_us| row(created_us).holds(now_us);
+        assert!(holds(now_us) && holds(now_us + AHEAD_US_MAX) && holds(now_us - 12 * AHEAD_US_MAX + 1));
+        assert!(!holds(now_us + AHEAD_US_MAX + 1) && !holds(now_us + 9_000 * AHEAD_US_MAX));
+        assert!(!holds(now_us - 12 * AHEAD_US_MAX));
     }
 }

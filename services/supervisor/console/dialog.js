@@ -3,8 +3,8 @@
 import { ask, get, has, Problem } from "./api.js";
 import { h } from "./dom.js";
 import { follower } from "./follow.js";
-import { problemPanel, report } from "./notices.js";
-import { refusal } from "./rights.js";
+import { problemPanel, refused, report } from "./notices.js";
+import { identifyAgain, refusal } from "./rights.js";
 
 /** Time for which a pending action is polled. */
 const PATIENCE_MS = 15_000;
@@ -24,7 +24,7 @@ export function actionButton(action, done, words = action.button) {
       class: action.grave ? "grave" : null,
       "aria-disabled": reason ? "true" : null,
       title: reason,
-      onclick: () => (reason ? report()(reason, "warn", true) : open(action, done)),
+      onclick: () => (reason ? refused(reason) : open(action, done)),
     },
     `${words} \u2026`,
   );
@@ -67,6 +67,8 @@ function confirm(action, done) {
       tellResult(action, isDone, follow ?? (action.progress && ((say) => action.progress(told, say))));
       done();
     } catch (problem) {
+      // Another role than the page knew.
+      if (problem.status === 403) identifyAgain();
       // The user may have closed the dialog meanwhile.
       if (dialog.isConnected) answer.replaceChildren(problemPanel(problem));
       else report()(`${action.title}: ${problem.message}`, "bad", true);

@@ -9,6 +9,11 @@ export function notice(words) {
   report()(words, "good", true);
 }
 
+/** Shows for a while why something is not done. */
+export function refused(words) {
+  report()(words, "warn", true);
+}
+
 /**
  * Shows a message that changes: returns `tell(words, tone, isFinal)`. The message disappears a while after its final
  * words, unless they are bad news: those stay until they are dismissed.

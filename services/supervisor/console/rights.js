@@ -7,11 +7,23 @@ import { time } from "./format.js";
 /** An expiry of a token or a session that is nearer than this is shown. */
 const NEAR_MS = { token: 7 * 86_400_000, session: 3_600_000 };
 
+/** An answer that is older than this is asked for again: a person's role can change while a page is open. */
+const FRESH_MS = 60_000;
+
 let me = null;
+/** Time of the answer, ms since 1970. */
+let askedAt = 0;
 
 /** Asks the service who the user is, unless that is known. */
 export async function identify() {
-  me ??= await get("/v1/me");
+  if (me && Math.abs(Date.now() - askedAt) < FRESH_MS) return;
+  me = await get("/v1/me");
+  askedAt = Date.now();
+}
+
+/** Makes the next page ask the service again: it has refused what the known role allows. */
+export function identifyAgain() {
+  askedAt = 0;
 }
 
 /** Forgets the user, before another one signs in. */

@@ -70,13 +70,15 @@ pub struct Publication {
     pub stopwatch: Option<Stopwatch>,
     /// Number of the transaction that it states or belongs to: it goes out after this one's commit.
     pub transaction: i64,
+    /// Withdraws it while it waits; `None` for messages that move nothing.
+    pub withdrawal: Option<Withdrawal>,
 }
 
 impl Publication {
     /// A publication without a deadline, and of no transaction yet.
     #[must_use]
     pub fn new(robot: Name, message: ToRobot) -> Self {
-        Self { robot, message, until: None, stopwatch: None, transaction: 0 }
+        Self { robot, message, until: None, stopwatch: None, transaction: 0, withdrawal: None }
     }
 
     /// Whether it only states what a transaction has recorded. Such a message stays true after the lease has expired.
@@ -85,10 +87,37 @@ impl Publication {
         matches!(self.message, ToRobot::Receipt(_))
     }
 
+    /// Whether it makes the robot move air or whiskers.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.withdrawal.is_some()
+    }
+
+    /// Whether it must not be sent any more.
+    #[must_use]
+    pub fn is_withdrawn(&self) -> bool {
+        self.withdrawal.as_ref().is_some_and(Withdrawal::is_withdrawn)
+    }
+
     /// Whether robots that connect later get it, too.
     #[must_use]
     pub fn is_retained(&self) -> bool {
         self.message.topic().is_retained()
+    }
+}
+
+/// Withdraws messages that make a robot move: those that wait for the commit, and those that wait for the connection.
+#[derive(Debug, Clone, Default)]
+pub struct Withdrawal(Arc<AtomicBool>);
+
+impl Withdrawal {
+    /// From now on none of its messages is sent.
+    pub fn withdraw(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    fn is_withdrawn(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
     }
 }
 

@@ -8,6 +8,7 @@ mod board;
 mod browser;
 mod browsing;
 mod bulk;
+mod candour;
 mod charts;
 mod checks;
 mod counted;

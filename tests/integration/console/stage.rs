@@ -91,6 +91,13 @@ impl Stage {
         sqlx::query_scalar("SELECT hex(sealed) FROM console_sessions").fetch_one(&mut link).await.unwrap()
     }
 
+    /// Runs statements on the database.
+    pub(crate) async fn run(&self, sql: &str) {
+        let file = SqliteConnectOptions::new().filename(self.folder.path().join("vibrissa.sqlite3"));
+        let mut link = file.busy_timeout(PATIENCE).connect().await.unwrap();
+        sqlx::raw_sql(sqlx::AssertSqlSafe(sql)).execute(&mut link).await.unwrap();
+    }
+
     /// Writes robots `more-1`, `more-2` .. of fleet `f` into the database, without any that connects. They are in ten halls by
     /// their label, and no state is stored that a supervisor could load.
     pub(crate) async fn crowd(&self, robots: u32) {

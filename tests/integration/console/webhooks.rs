@@ -6,9 +6,63 @@ use std::sync::atomic::{AtomicU16, AtomicUsize, Ordering};
 use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
+use tokio::sync::Notify;
+use vibrissa_tests::wait::until_true;
 
 use crate::checks::{complaints, overflow};
 use crate::stage::Stage;
+
+/// A receiver that answers 204 at a signal; returns its port and the number of its requests.
+async fn slow_receiver(gate: Arc<Notify>) -> (u16, Arc<AtomicUsize>) {
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let (port, requests) = (listener.local_addr().unwrap().port(), Arc::new(AtomicUsize::new(0)));
+    let count = requests.clone();
+    tokio::spawn(async move {
+        while let Ok((mut stream, _)) = listener.accept().await {
+            let (gate, count) = (gate.clone(), count.clone());
+            tokio::spawn(async move {
+                let mut got = [0; 16 * 1024];
+                let _ = stream.read(&mut got).await;
+                count.fetch_add(1, Ordering::SeqCst);
+                gate.notified().await;
+                let _ = stream.write_all(b"HTTP/1.1 204 X\r\nConnection: close\r\n\r\n").await;
+            });
+        }
+    });
+    (port, requests)
+}
+
+/// A refresh of the page made the button anew while the test waited for its answer, and a second click sent another test.
+#[tokio::test]
+async fn regress_a_test_is_sent_once() {
+    let mut stage = Stage::start().await;
+    let gate = Arc::new(Notify::new());
+    let (port, requests) = slow_receiver(gate.clone()).await;
+    let body = json!({ "name": "slow", "url": format!("http://127.0.0.1:{port}/"), "fleets": null, "kinds": ["TRIM"] });
+    let created =
+        vibrissa_tests::web::send(stage.service.http, "POST", "/v1/webhooks", &[], Some(&body)).await.unwrap();
+    assert!(created.status < 300, "{}", created.body);
+    stage.open("#/webhooks").await;
+    press(&mut stage, "Send a test").await;
+    until_true("the first", async || requests.load(Ordering::SeqCst) == 1).await;
+    let shows = "Number(document.getElementById('main').dataset.shows)";
+    let before = stage.browser.js(shows).await;
+    stage.browser.js("dispatchEvent(new Event('online'))").await;
+    stage.browser.until("a refresh", &format!("{shows} > {before}")).await;
+    press(&mut stage, "Send a test").await;
+    gate.notify_waiters();
+    let taken = "document.getElementById('notices').textContent.split('status 204').length - 1";
+    stage.browser.until("the answer", &format!("({taken}) === 1")).await;
+    press(&mut stage, "Send a test").await;
+    until_true("the second", async || {
+        gate.notify_waiters();
+        requests.load(Ordering::SeqCst) >= 2
+    })
+    .await;
+    stage.browser.until("its notice", "document.querySelectorAll('.notice').length === 2").await;
+    assert_eq!(requests.load(Ordering::SeqCst), 2);
+    stage.stop().await;
+}
 
 /// A receiver that answers with a status; returns its port and the number of its requests.
 async fn receiver(status: Arc<AtomicU16>) -> (u16, Arc<AtomicUsize>) {

@@ -21,6 +21,7 @@ mod config;
 mod decommission;
 mod duplicates;
 mod estimates;
+mod excluded;
 mod forgetful;
 mod http;
 mod maintenance;

@@ -64,7 +64,7 @@ pub const TABLES: &[(&str, Kept)] = &[
     ("touch_tests", Days("records.days")),
     ("trims", DECISIONS),
     ("turned_away", Until("beyond the newest 64 of each fleet")),
-    ("webhook_dead_letters", Until("beyond the newest 1,000 of each webhook")),
+    ("webhook_dead_letters", Until("with their events, and beyond the newest 1,000 of each webhook")),
     ("webhooks", For("50 of a fleet, 200 of all")),
     ("whiskers", Until("a day after the last layout with them, once no contact, minute or decision names them")),
 ];

@@ -89,11 +89,18 @@ function bounds(length, sd) {
   return length === null ? { low: null, high: null } : { low: length - half, high: length + half };
 }
 
-/** Measured errors of compensations for the whisker, as ratios in order of time: `{ at, error, low, high, withGain, air }`. */
+/** Most rows of single errors or setpoints. */
+const SINGLE = 1_000;
+
+/**
+ * Measured errors of compensations for the whisker, as ratios in order of time:
+ * `{ at, compensation, error, low, high, withGain, air }`. Means have no compensation.
+ */
 export async function errorsOf(whisker, window) {
   const where = { ...named(whisker), ...between(window) };
   const told = (at) => (one) => ({
     at: Date.parse(one[at]),
+    compensation: one.compensation_id,
     error: one.error,
     low: one.error_low,
     high: one.error_high,
@@ -101,7 +108,7 @@ export async function errorsOf(whisker, window) {
     air: one.air_error,
   });
   if (resolutionOf(window) === "contacts" || !has("GET", "/v1/errors/by-time")) {
-    const items = await list("/v1/errors", { ...where, limit: 1_000 });
+    const items = await list("/v1/errors", { ...where, limit: SINGLE });
     return items.reverse().map(told("recorded_at"));
   }
   const bucket = Math.max(60, Math.ceil((window.to - window.from) / ERRORS / 60_000) * 60);
@@ -109,13 +116,13 @@ export async function errorsOf(whisker, window) {
   return items.map(told("at"));
 }
 
-/** Setpoints in the window in order of time, and before them the one that was in force at its begin. */
+/** Setpoints in the window in order of time, before them the one that was in force at its begin, and whether they are all. */
 export async function setpointsOf(whisker, window) {
   const [within, before] = await Promise.all([
-    list("/v1/setpoints", { ...named(whisker), ...between(window), limit: 1_000 }),
+    list("/v1/setpoints", { ...named(whisker), ...between(window), limit: SINGLE }),
     list("/v1/setpoints", { ...named(whisker), to: iso(window.from), limit: 1 }),
   ]);
-  return { within: within.reverse(), before: before[0] ?? null };
+  return { within: within.reverse(), before: before[0] ?? null, areAll: within.length < SINGLE };
 }
 
 /** Filters that select a whisker in a list. */

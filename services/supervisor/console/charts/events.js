@@ -6,7 +6,7 @@ import { link } from "../places.js";
 import { AUDIT_KINDS, ALARM_KINDS, SETPOINT_REASONS, SETPOINT_STATES, say } from "../words.js";
 import { named } from "./data.js";
 
-/** Number of newest events of a kind that are considered. */
+/** Number of newest events of a kind before the end of the window that are considered. */
 const MANY = 200;
 /** Change of temperature that is an event, °C. */
 const TEMPERATURE_STEP_C = 5;
@@ -22,18 +22,28 @@ export const KINDS = {
   temperature: ["temperature", "warn", "heat"],
 };
 
-/** The events in a window in order of time: `{ at, kind, words, href, to }`; `to` are the words of the link. */
+/**
+ * The events in a window in order of time: `{ at, kind, words, href, to }`; `to` are the words of the link. `cut` has the kinds of
+ * which there are more.
+ */
 export async function eventsOf(whisker, window, { rows, setpoints }) {
   const where = named(whisker);
   const { fleet, robot, array, whisker: number } = where;
-  const newest = (route, query) => (has("GET", route) ? list(route, { ...query, limit: MANY }) : []);
+  const cut = new Set(setpoints.areAll ? [] : ["setpoint"]);
+  const newest = async (kind, route, query) => {
+    const rows = has("GET", route) ? await list(route, { ...query, limit: MANY + 1 }) : [];
+    // The oldest of them may lie before the window, and then all of the window are known.
+    if (rows.length > MANY && Date.parse(rows[MANY].raised_at ?? query.from) >= window.from) cut.add(kind);
+    return rows.slice(0, MANY);
+  };
   const decisions = { fleet, robot, array, target_whisker: number };
-  const within = { from: new Date(window.from).toISOString(), to: new Date(window.to).toISOString() };
+  const [from, to] = [window.from, window.to].map((at) => new Date(at).toISOString());
+  const until = new Date(window.to + DECISION_WITHIN_MS).toISOString();
   const [trims, alarms, decided, actions] = await Promise.all([
-    newest("/v1/trims", { ...where, ...within }),
-    newest("/v1/alarms", where),
-    newest("/v1/compensations", decisions),
-    newest("/v1/audit", { fleet, robot, ...within }),
+    newest("trim", "/v1/trims", { ...where, from, to }),
+    newest("alarm", "/v1/alarms", { ...where, to }),
+    newest("trim", "/v1/compensations", { ...decisions, from, to: until }),
+    newest("hold", "/v1/audit", { fleet, robot, from, to }),
   ]);
   const events = [
     ...trims.map((one) => trim(one, decided)),
@@ -42,7 +52,14 @@ export async function eventsOf(whisker, window, { rows, setpoints }) {
     ...actions.filter((one) => isHold(one, where)).map(hold),
     ...temperatures(rows),
   ];
-  return events.filter(({ at }) => at >= window.from && at <= window.to).sort((one, other) => one.at - other.at);
+  const inside = events.filter(({ at }) => at >= window.from && at <= window.to);
+  return { events: inside.sort((one, other) => one.at - other.at), cut };
+}
+
+/** Which kinds of events have marks for the newest ones only, in words; null if all have marks. */
+export function leftOut(cut) {
+  const kinds = [...cut].map((kind) => KINDS[kind][0]).join(", ");
+  return kinds ? `Only the newest have marks: ${kinds}. A shorter range shows others.` : null;
 }
 
 const toDecision = (id) =>

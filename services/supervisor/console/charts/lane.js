@@ -3,7 +3,7 @@
 import { h } from "../dom.js";
 import { count, moment, time } from "../format.js";
 import { mark, shapeOf } from "../marks.js";
-import { clustered, KINDS } from "./events.js";
+import { clustered, KINDS, leftOut } from "./events.js";
 import { LEFT_PX, RIGHT_PX } from "./plot.js";
 
 /** Width of a mark with its distance to the next one. */
@@ -12,6 +12,7 @@ const MARK_PX = 30;
 export class EventLane {
   #onSelect;
   #events = [];
+  #cut = new Set();
   #window = null;
   /** The selected event, by its time, kind and words: new data may contain it again. */
   #selected = null;
@@ -23,7 +24,7 @@ export class EventLane {
     this.#onSelect = onSelect;
     let width = 0;
     new ResizeObserver(() => {
-      if (this.#window && this.#marks.clientWidth !== width) this.show(this.#events, this.#window);
+      if (this.#window && this.#marks.clientWidth !== width) this.show(this.#events, this.#cut, this.#window);
       width = this.#marks.clientWidth;
     }).observe(this.#marks);
   }
@@ -32,8 +33,9 @@ export class EventLane {
     return this.#selected?.includes(keyOf(event)) ?? false;
   }
 
-  show(events, window) {
-    [this.#events, this.#window] = [events, window];
+  /** Shows events; `cut` has the kinds of which there are more. */
+  show(events, cut, window) {
+    [this.#events, this.#cut, this.#window] = [events, cut, window];
     const width = Math.max(1, this.#marks.clientWidth - LEFT_PX - RIGHT_PX);
     const perPx = (window.to - window.from) / width;
     const marks = clustered(
@@ -73,7 +75,7 @@ export class EventLane {
 
   #select(keys) {
     this.#selected = keys;
-    this.show(this.#events, this.#window);
+    this.show(this.#events, this.#cut, this.#window);
     this.#onSelect();
   }
 
@@ -86,8 +88,9 @@ export class EventLane {
           "p",
           { class: "hint" },
           marks.length
-            ? `${count(this.#events.length, "event")}: select a mark for details.`
-            : "No events in this range.",
+            ? `${count(this.#events.length, "event")}: select a mark for details. `
+            : "No events in this range. ",
+          leftOut(this.#cut),
         );
     if (this.#told.textContent !== next.textContent) this.#told.replaceChildren(next);
   }

@@ -2,6 +2,7 @@
 // values at the cursor are text beside it, and the keyboard moves the cursor.
 
 import { h } from "../dom.js";
+import { broken, isAlone } from "./gaps.js";
 import { labels, nearest, numberLabels, reachOf } from "./scale.js";
 
 /** Height of a chart, and width of the vertical axis, which is the same in all charts so that their times align. */
@@ -134,8 +135,11 @@ export class Plot {
   }
 
   #columns() {
-    const tables = this.#data.map(({ x, y, low, high }) => (low ? [x, y, low, high] : [x, y]));
-    return this.#library.join(tables);
+    const { isTime, series } = this.#spec;
+    // Where the cursor finds no value between two points, the line has a gap.
+    const widest = isTime ? 2 * NEAR * (this.#window.to - this.#window.from) : Infinity;
+    const shown = this.#data.map((one, index) => (series[index].look === "line" ? broken(one, widest) : one));
+    return this.#library.join(shown.map(({ x, y, low, high }) => (low ? [x, y, low, high] : [x, y])));
   }
 
   #draw() {
@@ -147,19 +151,20 @@ export class Plot {
       const paths = { step: this.#library.paths.stepped({ align: 1 }), points: () => null }[look];
       const points = {
         show: () => look === "points" || this.#isSparse(index),
+        filter: (chart, place, isShown) => (isShown || look !== "line" ? null : isAlone(chart.data[place])),
         size: 5,
         fill: stroke,
         stroke,
         width: 0,
       };
-      series.push({ stroke, paths, dash, width: 2, spanGaps: true, points, auto: false });
+      series.push({ stroke, paths, dash, width: 2, spanGaps: look !== "line", points, auto: false });
       if (!this.#data[index].low) return;
       // The bounds have no line: a band or bars show them.
       const bound = {
         stroke: null,
         width: 0,
         points: { show: false },
-        spanGaps: true,
+        spanGaps: look !== "line",
         paths: look === "points" ? () => null : undefined,
       };
       series.push({ ...bound }, { ...bound });

@@ -92,11 +92,12 @@ export function dataOf({ rows, errors, setpoints }, window, nominal, quantity) {
     [
       {
         x: column(errors, "at"),
+        of: errors.map((row) => row.compensation),
         y: column(errors, "error", 100),
         low: column(errors, "low", 100),
         high: column(errors, "high", 100),
       },
-      { x: column(gains, "at"), y: column(gains, "withGain", 100) },
+      { x: column(gains, "at"), of: gains.map((row) => row.compensation), y: column(gains, "withGain", 100) },
     ],
   ];
 }

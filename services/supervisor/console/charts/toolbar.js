@@ -67,7 +67,8 @@ export class Toolbar {
   show(range, window, { rows, resolution }) {
     for (const [one, button] of this.#ranges) button.setAttribute("aria-pressed", String(one === range?.name));
     this.#newest.setAttribute("aria-pressed", String(range === null));
-    const contacts = rows.reduce((sum, row) => sum + row.contacts, 0);
+    const inside = rows.filter(({ at }) => at >= window.from && at <= window.to);
+    const contacts = inside.reduce((sum, row) => sum + row.contacts, 0);
     const kept = range?.from === undefined ? "follows new data" : "chosen range; new data appear if they lie in it";
     this.#status.textContent = `${moment(window.from)} to ${moment(window.to)} (${kept}). ${count(contacts, "contact")}, ${RESOLUTIONS[resolution]}.`;
   }

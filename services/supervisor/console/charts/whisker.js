@@ -1,7 +1,8 @@
 // `<whisker-charts>`: sensitivity, length, pressure and error of a whisker over one range of time, with its events.
 //
 // Attributes: `fleet`, `robot`, `array`, `whisker`, `whole` (whole length, mm),
-// `nominal` (nominal pressure, MPa), `event` (time of the newest event, ms since 1970). New data are loaded when `version` changes.
+// `nominal` (nominal pressure, MPa), `event` (time of the newest event, ms since 1970). New data are loaded when `version` changes,
+// and the charts are built again when `whole` or `nominal` does: the whisker was replaced.
 
 import { problemPanel } from "../notices.js";
 import { h } from "../dom.js";
@@ -19,7 +20,7 @@ import { ValueTables } from "./values.js";
 const PAUSE_MS = { contacts: 1_000, means: 1_000, minute: 5_000, hour: 15_000 };
 
 class WhiskerCharts extends HTMLElement {
-  static observedAttributes = ["version"];
+  static observedAttributes = ["version", "whole", "nominal"];
   #range = null;
   #window = { from: 0, to: 1 };
   /** Time of the newest contact, in ms since 1970; null if there is none. */
@@ -71,8 +72,10 @@ class WhiskerCharts extends HTMLElement {
     this.#plots = [];
   }
 
-  attributeChangedCallback() {
-    if (this.isConnected && this.#loadedAt) this.#loadSoon();
+  attributeChangedCallback(name, before, after) {
+    if (!this.isConnected || !this.#loadedAt || before === after) return;
+    if (name === "version") this.#loadSoon();
+    else this.#rebuild();
   }
 
   get #whisker() {
@@ -176,8 +179,8 @@ class WhiskerCharts extends HTMLElement {
         errorsOf(whisker, window),
         setpointsOf(whisker, window),
       ]);
-      const events = await eventsOf(whisker, window, { rows, setpoints });
-      this.#found = { rows, resolution, errors, setpoints, events };
+      const { events, cut } = await eventsOf(whisker, window, { rows, setpoints });
+      this.#found = { rows, resolution, errors, setpoints, events, cut };
       this.#problem.replaceChildren();
       // New data may have arrived meanwhile, but another range makes these data useless.
       if (range === this.#range && this.isConnected) await this.#draw();
@@ -198,7 +201,7 @@ class WhiskerCharts extends HTMLElement {
   async #draw() {
     const [found, window] = [this.#found, this.#window];
     this.#toolbar.show(this.#range, window, found);
-    this.#lane.show(found.events, window);
+    this.#lane.show(found.events, found.cut, window);
     this.#values.show(found, window);
     // Changes of temperature are many where days are warmer than nights: only selected ones have a line.
     const told = found.events.map((event) => ({ ...event, isSelected: this.#lane.isSelected(event) }));

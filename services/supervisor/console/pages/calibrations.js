@@ -6,7 +6,7 @@ import { readings, textOf, Unreadable } from "../calibration-file.js";
 import { field, keys } from "../dialog.js";
 import { h } from "../dom.js";
 import { time } from "../format.js";
-import { notice, problemPanel } from "../notices.js";
+import { notice, problemPanel, refused } from "../notices.js";
 import { link } from "../places.js";
 import { refusal } from "../rights.js";
 import { section } from "../table.js";
@@ -121,7 +121,7 @@ function uploadForm() {
   const keyed = keys();
   return h(
     "form",
-    { class: "card", id: "upload", onsubmit: reason ? refused : (event) => upload(event, keyed) },
+    { class: "card", id: "upload", onsubmit: submit },
     h("p", {}, "The service fits the readings and stores them as the model's next version. It is not active in any fleet yet."),
     FIELDS.map(field),
     h("div", { class: "answer", role: "alert" }),
@@ -132,14 +132,16 @@ function uploadForm() {
     ),
   );
 
-  function refused(event) {
+  function submit(event) {
     event.preventDefault();
-    notice(reason);
+    // The form stays as it was made, but the role may have changed.
+    const now = refusal("POST", PATH);
+    if (now) refused(now);
+    else upload(event, keyed);
   }
 }
 
 async function upload(event, keyed) {
-  event.preventDefault();
   const form = event.currentTarget ?? event.target;
   const [answer, button] = [form.querySelector(".answer"), form.querySelector("button")];
   if (button.disabled) return;

@@ -20,10 +20,10 @@ export default {
       boardOf(state),
       readiness(),
     ]);
-    return { fleets, waiting, told, ready };
+    return { fleets, waiting, told, ready, isPart: Boolean(state.label || state.q) };
   },
 
-  view({ fleets, waiting, told, ready }, _, refresh) {
+  view({ fleets, waiting, told, ready, isPart }, _, refresh) {
     const left = fleets.filter((fleet) => !fleet.supervised);
     const of = new Map(fleets.map((fleet) => [fleet.fleet, fleet]));
     return [
@@ -31,7 +31,7 @@ export default {
         "div",
         { class: "headline" },
         h("h1", { tabindex: "-1" }, "Fleets"),
-        fleets.length ? h("p", { class: "summary" }, summary(fleets, told)) : null,
+        fleets.length ? h("p", { class: "summary" }, summary(fleets, told, isPart)) : null,
         fleets.length ? boardTools(told) : null,
       ),
       shortcomings(ready),
@@ -50,11 +50,13 @@ export default {
   },
 };
 
-function summary(fleets, told) {
+function summary(fleets, told, isPart) {
   const sum = (name) => fleets.reduce((sum, fleet) => sum + fleet[name], 0);
   const [alarms, shelved] = [sum("alarms"), sum("alarms_shelved")];
   const open = alarms ? ` ${count(alarms, "alarm")} open` : " No alarms are open";
-  return `${told ? verdict(told) : ""}${open}${shelved ? `, ${count(shelved, "alarm")} shelved` : ""}.`;
+  // The numbers of alarms are those of all robots.
+  const where = isPart && told ? " in all" : "";
+  return `${told ? verdict(told, isPart) : ""}${open}${shelved ? `, ${count(shelved, "alarm")} shelved` : ""}${where}.`;
 }
 
 /** Whether whiskers are out of order, although perhaps no alarm says so any more. */

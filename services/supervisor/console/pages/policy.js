@@ -5,6 +5,7 @@ import { actionButton } from "../dialog.js";
 import { h } from "../dom.js";
 import { percent, time } from "../format.js";
 import { prepared } from "../parts/bulk.js";
+import { askedFor, manyOf, newestOf } from "../parts/newest.js";
 import { rolloutButton, rolloutsLink } from "../parts/rollouts.js";
 import { api, link, ROUTES } from "../places.js";
 import { facts, section, table, trail } from "../table.js";
@@ -20,11 +21,11 @@ const numbers = () =>
 const SHOWN_MAX = 10;
 
 export default {
-  async load({ fleet }) {
+  async load({ fleet }, state) {
     const fleets = fleet ? [{ fleet }] : await list("/v1/fleets", { sort: "fleet" });
     if (!has("GET", ROUTES.policy)) return { fleets, policies: null };
     const shown = fleets.length > SHOWN_MAX ? fleets.slice(0, 1) : fleets;
-    return { fleets, policies: await Promise.all(shown.map((one) => policyOf(one.fleet))) };
+    return { fleets, policies: await Promise.all(shown.map((one) => policyOf(one.fleet, manyOf(state)))) };
   },
 
   view({ fleets, policies }, { fleet }, refresh) {
@@ -44,12 +45,12 @@ export default {
   },
 };
 
-async function policyOf(fleet) {
+async function policyOf(fleet, many) {
   const [answer, history] = await Promise.all([
     ask(api.policy(fleet)),
-    ifServed(`${ROUTES.policy}/history`, () => list(`${api.policy(fleet)}/history`, { limit: 20 }), []),
+    ifServed(`${ROUTES.policy}/history`, () => list(`${api.policy(fleet)}/history`, { limit: askedFor(many) }), []),
   ]);
-  return { fleet, tag: answer.headers.get("ETag"), history, now: await answer.json() };
+  return { fleet, many, tag: answer.headers.get("ETag"), history, now: await answer.json() };
 }
 
 const shown = (policy) => [
@@ -70,7 +71,7 @@ function part(policy, refresh) {
           inStages(policy, refresh),
         )
       : null,
-    policy.history.length ? historyTable(policy) : null,
+    newestOf(policy.history, policy.many, (rows) => (rows.length ? historyTable(policy.fleet, rows) : null)),
   ];
 }
 
@@ -153,10 +154,10 @@ function change({ fleet, tag, now }) {
   };
 }
 
-function historyTable({ fleet, history }) {
+function historyTable(fleet, rows) {
   return table({
     caption: `Changes of the policy of ${fleet}, the newest first`,
-    rows: history,
+    rows,
     empty: "",
     columns: [
       { name: "Time", head: true, cell: (row) => time(row.changed_at) },

@@ -13,6 +13,7 @@ import { incidents } from "../parts/incidents.js";
 import { labelActions, labelChips } from "../parts/labels.js";
 import { maintenanceOf, maintenanceLine } from "../parts/maintenance.js";
 import { firstAndMenu } from "../parts/menu.js";
+import { askedFor, manyOf, newestOf } from "../parts/newest.js";
 import { notesOf, robotNotes } from "../parts/notes.js";
 import { proposals } from "../parts/proposals.js";
 import { refusalsOf, refusalsPart } from "../parts/refusals.js";
@@ -22,21 +23,22 @@ import { ARRAY_TYPES, CONNECTIONS, say } from "../words.js";
 import { health } from "./fleets.js";
 
 export default {
-  async load({ fleet, robot }) {
+  async load({ fleet, robot }, state) {
+    const many = manyOf(state);
     const [about, whiskers, decisions, tests, boxes, notes, refusals, windows] = await Promise.all([
       get(api.robot({ fleet, robot })),
       list("/v1/whiskers", { fleet, robot }),
       list("/v1/compensations", { fleet, robot, active: true }),
       ifServed("/v1/touch-tests", () => list("/v1/touch-tests", { fleet, robot, state: "PROPOSED" }), []),
-      boxesOf({ fleet, robot }),
+      boxesOf({ fleet, robot }, askedFor(many)),
       notesOf({ fleet, robot }),
       refusalsOf({ fleet, robot }),
       maintenanceOf(),
     ]);
-    return { about, whiskers, decisions, tests, boxes, notes, refusals, windows };
+    return { many, about, whiskers, decisions, tests, boxes, notes, refusals, windows };
   },
 
-  view({ about, whiskers, decisions, tests, boxes, notes, refusals, windows }, { fleet, robot }, refresh) {
+  view({ many, about, whiskers, decisions, tests, boxes, notes, refusals, windows }, { fleet, robot }, refresh) {
     const waiting = decisions.filter((one) => one.approval === "PROPOSED");
     const decided = decisions.filter((one) => one.approval !== "PROPOSED");
     const running = decided.filter((one) => one.compensator_whisker !== null);
@@ -76,7 +78,7 @@ export default {
       ),
       refusalsPart(refusals),
       robotNotes(notes, about, refresh),
-      section("Black boxes", boxesTable(boxes)),
+      section("Black boxes", newestOf(boxes, many, boxesTable)),
     ];
   },
 };

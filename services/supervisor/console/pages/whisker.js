@@ -8,18 +8,20 @@ import { h } from "../dom.js";
 import { interval, mm, mpa, percent, time } from "../format.js";
 import { markOf, marksOf, shapeOf } from "../marks.js";
 import { api, link, ROUTES } from "../places.js";
-import { boxesOf, boxesTable, boxLink } from "../parts/boxes.js";
+import { boxesOf, boxesTable } from "../parts/boxes.js";
 import { alternatives } from "../parts/candidates.js";
 import { contactUses, contactUsesOf, segmenterFact } from "../parts/contact-uses.js";
 import { decisionsTable, error, setpointsTable } from "../parts/decisions.js";
 import { effect } from "../parts/effect.js";
 import { entriesList } from "../parts/entries.js";
 import { incidents } from "../parts/incidents.js";
+import { askedFor, manyOf, newestOf } from "../parts/newest.js";
 import { storyOf, whyNobody } from "../parts/story.js";
 import { tabs } from "../parts/tabs.js";
 import { testsTable } from "../parts/tests.js";
-import { facts, section, table, trail } from "../table.js";
-import { APPROVALS, CONDITIONS, FAULTS, say } from "../words.js";
+import { changesTable, trimsTable } from "../parts/trims.js";
+import { facts, section, trail } from "../table.js";
+import { APPROVALS } from "../words.js";
 
 /** Number of setpoints shown with their history. */
 const HISTORIES = 5;
@@ -33,6 +35,8 @@ const TABS = [
 ];
 /** Parts of the address of the charts. */
 const OF_CHARTS = ["range", "from", "to", "sensitivity"];
+/** Parts of the address that another tab does not need. */
+const OF_TABS = [...OF_CHARTS, "rows"];
 const SHAPES = { good: "circle", info: "dots", warn: "diamond", bad: "cross" };
 /** A week: the log keeps no events for longer. */
 const WEEK_MS = 7 * 86_400_000;
@@ -45,17 +49,20 @@ export default {
     const tab = tabOf(state);
     const where = { fleet, robot, array };
     const own = { ...where, whisker };
-    const of = (route, limit) => ifServed(route, () => list(route, { ...own, limit }), []);
+    const many = manyOf(state);
+    const limit = askedFor(many);
+    const of = (route) => ifServed(route, () => list(route, { ...own, limit }), []);
     const from = new Date(Date.now() - WEEK_MS).toISOString();
     const [about, targets, trims, alarms, entries] = await Promise.all([
       get(api.whisker(own)),
-      list("/v1/compensations", { ...where, target_whisker: whisker, limit: 20 }),
-      of("/v1/trims", 20),
+      list("/v1/compensations", { ...where, target_whisker: whisker, limit }),
+      of("/v1/trims"),
       list("/v1/alarms", { ...own, standing: true, limit: 20 }),
       ifServed("/v1/timeline", () => list("/v1/timeline", { ...own, from, limit: ENTRIES }), null),
     ]);
     const newest = targets[0] ? await get(api.compensation(targets[0].compensation_id)) : null;
-    return { tab, about, targets, trims, alarms, entries, newest, ...(await LOADS[tab]?.(own, { where, of })) };
+    const parts = await LOADS[tab]?.(own, { where, of, limit });
+    return { tab, many, about, targets, trims, alarms, entries, newest, ...parts };
   },
 
   view(data, { fleet, robot, array, whisker }, refresh) {
@@ -72,7 +79,7 @@ export default {
       h("p", { id: "story", class: `story ${story.tone}` }, shapeOf(SHAPES[story.tone]), h("span", {}, story.text)),
       h("p", {}, marksOf(about)),
       newest ? proposal(newest, refresh) : null,
-      tabs("Parts of this page", TABS, tab, OF_CHARTS),
+      tabs("Parts of this page", TABS, tab, OF_TABS),
       (VIEWS[tab] ?? VIEWS.now)(data, { actions, refresh }),
     ];
   },
@@ -81,15 +88,15 @@ export default {
 /** What each tab reads beside what the story needs. */
 const LOADS = {
   now: async (own) => ({ uses: await contactUsesOf(own) }),
-  decisions: async ({ whisker }, { where }) => ({
-    serves: await list("/v1/compensations", { ...where, compensator_whisker: whisker, limit: 20 }),
+  decisions: async ({ whisker }, { where, limit }) => ({
+    serves: await list("/v1/compensations", { ...where, compensator_whisker: whisker, limit }),
   }),
-  async history(own, { of }) {
+  async history(own, { of, limit }) {
     const [setpoints, tests, changes, boxes] = await Promise.all([
-      of("/v1/setpoints", 20),
-      of("/v1/touch-tests", 20),
-      of("/v1/health-changes", 20),
-      boxesOf(own),
+      of("/v1/setpoints"),
+      of("/v1/touch-tests"),
+      of("/v1/health-changes"),
+      boxesOf(own, limit),
     ]);
     const histories = has("GET", "/v1/setpoints/{}")
       ? await Promise.all(
@@ -120,28 +127,31 @@ const VIEWS = {
     section("Charts", whiskerCharts(about, newestEvent(newest, trims))),
     has("GET", `${ROUTES.whisker}/model`) ? section("Model", modelChart(about), modelHint()) : null,
   ],
-  decisions: ({ targets, serves = [], newest }, { refresh }) => {
-    const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
-    return [
-      newest ? section("Newest decision", decision(newest, refresh)) : null,
-      section(
-        "All decisions",
-        decisionsTable(
-          [...targets, ...others],
-          "Decisions about it, and those in which it is the compensator",
-          "No decisions yet: the whisker was never found cut.",
-        ),
-      ),
-    ];
-  },
-  history: ({ setpoints = [], tests = [], trims, changes = [], boxes = [] }, { refresh }) => [
-    section("Setpoints", setpointsTable(setpoints, "Setpoints, the newest first")),
-    section("Touch tests", testsTable(tests, refresh)),
-    section("Trims", trimsTable(trims)),
-    section("Changes of health", changesTable(changes)),
-    section("Black boxes of the robot", boxesTable(boxes)),
+  decisions: ({ many, targets, serves = [], newest }, { refresh }) => [
+    newest ? section("Newest decision", decision(newest, refresh)) : null,
+    section("Decisions", newestOf(bothOf(targets, serves), many, allDecisions)),
+  ],
+  history: ({ many, setpoints = [], tests = [], trims, changes = [], boxes = [] }, { refresh }) => [
+    section("Setpoints", newestOf(setpoints, many, (rows) => setpointsTable(rows, "Setpoints, the newest first"))),
+    section("Touch tests", newestOf(tests, many, (rows) => testsTable(rows, refresh))),
+    section("Trims", newestOf(trims, many, trimsTable)),
+    section("Changes of health", newestOf(changes, many, changesTable)),
+    section("Black boxes of the robot", newestOf(boxes, many, boxesTable)),
   ],
 };
+
+/** Decisions about a whisker and those in which it serves, the newest first; a self-compensation is both. */
+function bothOf(targets, serves) {
+  const others = serves.filter((one) => !targets.some((known) => known.compensation_id === one.compensation_id));
+  return [...targets, ...others].sort((one, other) => Date.parse(other.decided_at) - Date.parse(one.decided_at));
+}
+
+const allDecisions = (rows) =>
+  decisionsTable(
+    rows,
+    "Decisions about it, and those in which it is the compensator, the newest first",
+    "No decisions yet: the whisker was never found cut.",
+  );
 
 const newestTrim = (trims) =>
   [...trims].sort((one, other) => other.detected_at.localeCompare(one.detected_at))[0] ?? null;
@@ -265,40 +275,4 @@ function decision(newest, refresh) {
     alternatives(newest),
     errorChart(newest),
   ];
-}
-
-function trimsTable(trims) {
-  return table({
-    caption: "Detected trims, the newest first",
-    rows: [...trims].sort((one, other) => other.detected_at.localeCompare(one.detected_at)),
-    key: (row) => `trim-${row.trim_id}`,
-    empty: "None detected.",
-    columns: [
-      { name: "Detected", head: true, cell: (row) => time(row.detected_at) },
-      { name: "Length before", numeric: true, cell: (row) => mm(row.length_before_mm) },
-      {
-        name: "Length after",
-        numeric: true,
-        cell: (row) => interval(row.length_after_mm, row.length_after_low_mm, row.length_after_high_mm),
-      },
-      { name: "Contacts to detection", numeric: true, cell: (row) => row.contacts_to_detect },
-      { name: "Messages", cell: (row) => boxLink(row.black_box_id) ?? "\u2013" },
-    ],
-  });
-}
-
-function changesTable(changes) {
-  const word = (row, value) => (value === null ? "none" : say(row.kind === "FAULT" ? FAULTS : CONDITIONS, value));
-  return table({
-    caption: "Changes of condition and of faults, the newest first",
-    rows: [...changes].sort((one, other) => other.recorded_at.localeCompare(one.recorded_at)),
-    key: (row) => `change-${row.health_change_id}`,
-    empty: "None.",
-    columns: [
-      { name: "Time", head: true, cell: (row) => time(row.recorded_at) },
-      { name: "Kind", cell: (row) => (row.kind === "FAULT" ? "fault" : "condition") },
-      { name: "Before", cell: (row) => word(row, row.was) },
-      { name: "After", cell: (row) => word(row, row.becomes) },
-    ],
-  });
 }

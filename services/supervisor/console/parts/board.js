@@ -38,14 +38,16 @@ export function totals(board) {
 
 const sumOf = (states, names) => names.reduce((sum, name) => sum + (states[name] ?? 0), 0);
 
-/** How the robots are, in one sentence. */
-export function verdict(board) {
+/** How the robots are, in one sentence. `isPart` if a search or a label has chosen some of them. */
+export function verdict(board, isPart = false) {
   const states = totals(board);
   const [all, troubled] = [sumOf(states, Object.keys(states)), sumOf(states, TROUBLES)];
-  if (!all) return stateOf(location.hash).q ? "No robots match." : "No robots yet.";
-  if (troubled) return `${troubled.toLocaleString("en")} of ${count(all, "robot")} ${troubled === 1 ? "needs" : "need"} attention.`;
-  if (states.HEALTHY === all) return `Nothing needs attention: ${count(all, "robot")}, all healthy.`;
-  return `No robot needs attention: ${count(all, "robot")}.`;
+  if (!all) return isPart ? "No robots match." : "No robots yet.";
+  const robots = isPart ? `${count(all, "robot")} that ${all === 1 ? "matches" : "match"}` : count(all, "robot");
+  if (troubled) return `${troubled.toLocaleString("en")} of ${robots} ${troubled === 1 ? "needs" : "need"} attention.`;
+  if (isPart) return `None of ${robots} needs attention.`;
+  if (states.HEALTHY === all) return `Nothing needs attention: ${robots}, all healthy.`;
+  return `No robot needs attention: ${robots}.`;
 }
 
 /** The board; `more(group)` are marks of a fleet, and `fleet` is set if the board is of one fleet. */

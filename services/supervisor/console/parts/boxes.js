@@ -9,9 +9,9 @@ import { saveLink } from "../save.js";
 import { table } from "../table.js";
 import { ALARM_KINDS, BLACK_BOX_STATES, FAULTS, say } from "../words.js";
 
-/** The newest boxes of a robot. */
-export function boxesOf({ fleet, robot }) {
-  return ifServed("/v1/black-boxes", () => list("/v1/black-boxes", { fleet, robot, limit: 20 }), []);
+/** The newest boxes of a robot, at most `limit`. */
+export function boxesOf({ fleet, robot }, limit) {
+  return ifServed("/v1/black-boxes", () => list("/v1/black-boxes", { fleet, robot, limit }), []);
 }
 
 /** A link that saves the recording of a box; nothing without a box. */

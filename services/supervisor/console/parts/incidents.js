@@ -2,7 +2,7 @@
 
 import { ask, has } from "../api.js";
 import { h } from "../dom.js";
-import { notice, report } from "../notices.js";
+import { refused, report } from "../notices.js";
 import { whiskerName } from "../places.js";
 import { refusal } from "../rights.js";
 import { section } from "../table.js";
@@ -60,7 +60,7 @@ function button(words, onclick) {
       type: "button",
       "aria-disabled": reason ? "true" : null,
       title: reason,
-      onclick: () => (reason ? notice(reason) : onclick()),
+      onclick: () => (reason ? refused(reason) : onclick()),
     },
     words,
   );

@@ -4,7 +4,7 @@ import { ask } from "../api.js";
 import { actionButton, tell } from "../dialog.js";
 import { h } from "../dom.js";
 import { count } from "../format.js";
-import { notice, report } from "../notices.js";
+import { notice, refused, report } from "../notices.js";
 import { api } from "../places.js";
 import { refusal } from "../rights.js";
 import { ALARM_LEVELS, EVENT_KINDS, say } from "../words.js";
@@ -129,14 +129,18 @@ export function createButton(done) {
   );
 }
 
+/** Webhooks whose test waits for its answer. A refresh of the page makes their buttons anew. */
+const tested = new Set();
+
 /** A button that sends a test and shows the target's answer. */
 export function testButton(webhook) {
-  const path = `${api.webhook(webhook.webhook_id)}/test`;
+  const { webhook_id: id } = webhook;
+  const path = `${api.webhook(id)}/test`;
   const reason = refusal("POST", path);
-  const test = async (event) => {
-    if (reason) return notice(reason);
-    const button = event.currentTarget ?? event.target;
-    button.disabled = true;
+  const test = async () => {
+    if (reason) return refused(reason);
+    if (tested.has(id)) return;
+    tested.add(id);
     const said = report();
     said(`Test of ${webhook.name}: waiting for the answer.`, "good", false);
     try {
@@ -146,7 +150,7 @@ export function testButton(webhook) {
     } catch (problem) {
       said(`Test of ${webhook.name}: ${problem.message}`, "bad", true);
     } finally {
-      button.disabled = false;
+      tested.delete(id);
     }
   };
   const attributes = { type: "button", "aria-disabled": reason ? "true" : null, title: reason, onclick: test };

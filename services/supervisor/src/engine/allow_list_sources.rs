@@ -79,19 +79,30 @@ impl AllowListSources {
     /// Reads the list that people have set if it has changed, and writes the refused robots. If the database is
     /// unreachable, this does not wait.
     pub(crate) async fn refresh(&mut self, committer: &mut Committer, workers: &mut Workers) {
-        if self.may_be_outdated {
-            let (writer, lease) = committer.database();
-            match writer.allowed_robots(lease, self.version).await {
-                Ok(None) => {}
-                Ok(Some(reading)) => {
-                    self.set(&reading, workers);
-                    self.has_changed = true;
-                }
-                Err(problem) => return committer.failed(&problem, "cannot read the allow list"),
-            }
-            self.may_be_outdated = false;
+        if self.read(committer, workers).await {
+            self.write_refused_robots(committer, workers).await;
         }
-        self.write_refused_robots(committer, workers).await;
+    }
+
+    /// Reads the list that people have set if it may have changed. Returns false if the database cannot be read now.
+    pub(crate) async fn read(&mut self, committer: &mut Committer, workers: &mut Workers) -> bool {
+        if !self.may_be_outdated {
+            return true;
+        }
+        let (writer, lease) = committer.database();
+        match writer.allowed_robots(lease, self.version).await {
+            Ok(None) => {}
+            Ok(Some(reading)) => {
+                self.set(&reading, workers);
+                self.has_changed = true;
+            }
+            Err(problem) => {
+                committer.failed(&problem, "cannot read the allow list");
+                return false;
+            }
+        }
+        self.may_be_outdated = false;
+        true
     }
 
     /// Makes the next refresh read the list: it may have changed.

@@ -127,6 +127,15 @@ impl Engine {
         Ok(())
     }
 
+    /// Excludes the robots that the allow lists exclude now, before anything goes out that moves a robot. Returns false if the list
+    /// cannot be read.
+    pub(super) async fn excludes_all_that_the_list_does(&mut self) -> bool {
+        self.allow_list.read_changed_file(&mut self.workers);
+        let Some(committer) = self.pipeline.idle_committer() else { return false };
+        self.allow_list.expect_change();
+        self.allow_list.read(committer, &mut self.workers).await
+    }
+
     /// Writes the counts of refusals. If the database is unreachable, this does not wait.
     pub(super) async fn write_refusals(&mut self) -> Result<(), LeaseLost> {
         if !self.workers.robots().any(|known| known.refusals.are_due()) {

@@ -34,11 +34,11 @@ impl Engine {
             return Ok(());
         };
         let robot_id = known.robot_id;
-        if self.suspects.has(&name) {
-            return Ok(());
-        }
         if wall_clock().0 as i64 >= action.expires_us {
             self.answer(action, robot_id, None);
+            return Ok(());
+        }
+        if self.suspects.has(&name) {
             return Ok(());
         }
         if is_in_service(known) {
@@ -47,11 +47,21 @@ impl Engine {
             self.answer(action, robot_id, Some(Err(problem.to_owned())));
             return Ok(());
         }
-        info!(robot = %FullName::robot(self.fleet.as_str(), name.as_str()), actor = action.actor, "robot decommissioned");
         self.workers.record(Record::Decommissioned { robot_id, left_us: wall_clock().0 as i64 }, None);
-        self.workers.of(&name).forget(&name);
         self.answer(action, robot_id, Some(Ok(())));
+        // Out of its worker, so that the transaction has no checkpoint of it.
+        let Some(known) = self.workers.of(&name).take_out(&name) else { return Ok(()) };
         // Before anything else is heard of it: a factsheet would register it again.
+        self.begin_commit();
+        if self.settle_naming().await?.contains(&robot_id) {
+            // Nothing of it was written, not even the answer.
+            self.workers.of(&name).put_back(known);
+            let problem = "DATABASE_REFUSES: the database refuses to take the robot out of service, see the log";
+            self.answer(action, 0, Some(Err(problem.to_owned())));
+            return Ok(());
+        }
+        info!(robot = %FullName::robot(self.fleet.as_str(), name.as_str()), actor = action.actor, "robot decommissioned");
+        self.workers.of(&name).forget(known);
         self.begin_commit();
         self.settle().await
     }

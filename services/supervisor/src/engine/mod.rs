@@ -194,7 +194,7 @@ impl Engine {
             };
             self.excuse_own_standstill();
             match cause {
-                Cause::Written(written) => self.committed(*written)?,
+                Cause::Written(written) => drop(self.committed(*written).await?),
                 Cause::CommitDue => {}
                 Cause::Messages(0) => break,
                 Cause::Messages(count) => {
@@ -330,22 +330,32 @@ impl Engine {
 
     /// Waits until no transaction is being written.
     async fn settle(&mut self) -> Result<(), LeaseLost> {
-        if self.pipeline.is_writing() {
-            let written = self.pipeline.written().await;
-            self.committed(written)?;
-        }
-        Ok(())
+        self.settle_naming().await.map(drop)
     }
 
-    /// Handles the end of a write: the publications go out.
-    fn committed(&mut self, written: Written) -> Result<(), LeaseLost> {
+    /// As [`Self::settle`]; returns the numbers of the robots whose rows the database refuses.
+    async fn settle_naming(&mut self) -> Result<Vec<i64>, LeaseLost> {
+        if !self.pipeline.is_writing() {
+            return Ok(Vec::new());
+        }
+        let written = self.pipeline.written().await;
+        self.committed(written).await
+    }
+
+    /// Handles the end of a write: the publications go out. Returns the numbers of the robots whose rows the database refuses.
+    async fn committed(&mut self, written: Written) -> Result<Vec<i64>, LeaseLost> {
         let mut done = self.pipeline.committed(written)?;
         if done.committed.was_away {
             self.restart_silence_timers();
         }
-        if !done.committed.offenders.is_empty() {
-            let offenders = std::mem::take(&mut done.committed.offenders);
+        let offenders = std::mem::take(&mut done.committed.offenders);
+        let refused = offenders.iter().map(|offender| offender.robot_id).collect();
+        if !offenders.is_empty() {
             self.suspects.reject(offenders, &mut done.transaction, &mut self.workers, &mut self.pipeline);
+        }
+        if done.transaction.has_moves() && !self.excludes_all_that_the_list_does().await {
+            // They are sent again, because the robots do not answer them.
+            done.transaction.withhold_moves();
         }
         self.suspects.committed(done.transaction.number());
         if let Some(events) = self.events.as_ref().filter(|_| done.transaction.has_events()) {
@@ -356,7 +366,7 @@ impl Engine {
             self.action_notifier.changed();
         }
         self.pipeline.publish_committed(done, &mut self.workers);
-        Ok(())
+        Ok(refused)
     }
 
     /// States up to which time of receipt all contacts are committed. If the database is unreachable, this does not wait.

@@ -1,6 +1,7 @@
 //! Tests that checkpoints and journal together restore the robots as of the last commit, after a crash at any point.
 
 mod budget;
+mod excluded;
 mod pressures;
 mod robots;
 mod silence;

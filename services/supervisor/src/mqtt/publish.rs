@@ -84,6 +84,9 @@ pub fn publish(
             if !connection_stands(&mut is_connected, &outbox).await {
                 break;
             }
+            if publication.is_withdrawn() {
+                continue;
+            }
             let receipts = u64::from(publication.states_a_commit());
             let encoded = proofs.ask(Encoded::of(publication, &fleet), Instant::now());
             let Some(options) = encoded.options(Instant::now(), flags.retains()) else {

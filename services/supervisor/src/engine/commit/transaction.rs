@@ -63,6 +63,16 @@ impl SealedTransaction {
         self.rows.is_empty() && self.publications.is_empty()
     }
 
+    /// Whether a robot would move by one of the publications.
+    pub(in crate::engine) fn has_moves(&self) -> bool {
+        self.publications.iter().any(Publication::moves)
+    }
+
+    /// Removes the publications by which robots would move.
+    pub(in crate::engine) fn withhold_moves(&mut self) {
+        self.publications.retain(|publication| !publication.moves());
+    }
+
     /// Takes the actions whose answers are committed with the rows.
     pub(crate) fn take_answered(&mut self) -> Vec<i64> {
         std::mem::take(&mut self.answered)

@@ -297,6 +297,10 @@ impl Pipeline {
         let mut dropped = publications.len();
         let (is_fresh, fresh_until) = (self.lease.is_fresh(), self.lease.fresh_until());
         for one in publications {
+            if one.is_withdrawn() {
+                dropped -= 1;
+                continue;
+            }
             let is_allowed = is_fresh || one.states_a_commit();
             if !is_allowed || !may_go_out(&one, self.committed, self.lease.fleet(), &self.metrics) {
                 continue;

@@ -126,7 +126,7 @@ impl Suspects {
         let (seqs, later) = (std::mem::take(&mut before.seqs), before.robot.clone());
         let (refusals, repeats) = (std::mem::take(&mut before.refusals), std::mem::take(&mut before.repeats));
         let (maintenance, recorder) = (std::mem::take(&mut before.maintenance), before.recorder.take());
-        let is_excluded = before.is_excluded;
+        let (is_excluded, withdrawal) = (before.is_excluded, before.withdrawal.clone());
         let mut replay = Replay::default();
         match offender.stored {
             Some(stored) => {
@@ -142,7 +142,8 @@ impl Suspects {
         replay.finish_robot(known, epoch, stepper);
         known.robot.go_on_numbering_after(&later);
         (known.seqs, known.rests, known.refusals, known.repeats) = (seqs, rests, refusals, repeats);
-        (known.maintenance, known.recorder, known.is_excluded) = (maintenance, recorder, is_excluded);
+        (known.maintenance, known.recorder) = (maintenance, recorder);
+        (known.is_excluded, known.withdrawal) = (is_excluded, withdrawal);
         if let ((None, _), (Some(boot_id), link)) = (known.robot.connection_state(), later.connection_state()) {
             // Nothing of it was ever committed. Its birth came before it became known, and must be repeated.
             let birth = Event::Connection { boot_id, link };

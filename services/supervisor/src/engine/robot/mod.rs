@@ -28,6 +28,7 @@ use vibrissa_protocol::{BootId, Name};
 
 use crate::black_box::Recorder;
 use crate::engine::ledger::Account;
+use crate::outbox::Withdrawal;
 use boots::Boots;
 use commands::Commands;
 use errors::MeasuredErrors;
@@ -97,6 +98,8 @@ pub(crate) struct KnownRobot {
     pub(crate) factsheet_missing: Option<Instant>,
     /// The allow list excludes it: none of its messages is taken, and it raises no alarms.
     pub(crate) is_excluded: bool,
+    /// Withdraws its setpoints and requests of touch tests once the allow list excludes it.
+    pub(crate) withdrawal: Withdrawal,
     /// Its programs and segmenters, for people.
     pub(crate) told: Told,
     /// Its row does not say yet that the allow list has begun or ended to exclude it, or which programs it has.
@@ -150,6 +153,7 @@ impl KnownRobot {
             repeats: Repeats::default(),
             factsheet_missing: None,
             is_excluded: false,
+            withdrawal: Withdrawal::default(),
             told: Told::default(),
             is_row_due: false,
             rests: false,

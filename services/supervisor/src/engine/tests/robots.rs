@@ -232,7 +232,8 @@ fn regress_a_missing_factsheet_is_told_although_the_connection_breaks_again_and_
 fn regress_retained_messages_of_a_decommissioned_robot_are_cleared_again_after_a_loss() {
     let mut workers = Workers::new(vec![worker(2)]);
     let name = Name::robot("r1").unwrap();
-    workers.of(&name).forget(&name);
+    let known = workers.of(&name).take_out(&name).unwrap();
+    workers.of(&name).forget(known);
     let cleared = |workers: &mut Workers| {
         workers.publish_estimates(tokio::time::Instant::now());
         let sent = workers.of(&name).batch_mut().take_publications();

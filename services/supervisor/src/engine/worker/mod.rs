@@ -36,8 +36,8 @@ use crate::black_box::recorder::Whose;
 use crate::engine::allow_list::{AllowList, RefusedRobots};
 use crate::engine::commit::batch::OpenBatch;
 use crate::engine::part::Part;
-use crate::engine::robot::Robots;
 use crate::engine::robot::seqs::Seqs;
+use crate::engine::robot::{KnownRobot, Robots};
 use crate::inbox::Delayed;
 use crate::log_inbox::LogRange;
 use crate::outbox::Publication;
@@ -198,13 +198,25 @@ impl Worker {
         &self.of_newer_program
     }
 
+    /// Takes a robot out of supervision, for [`Self::forget`] or [`Self::put_back`].
+    pub(crate) fn take_out(&mut self, name: &Name) -> Option<KnownRobot> {
+        self.robots.shift_remove(name)
+    }
+
+    /// Supervises a robot again.
+    pub(crate) fn put_back(&mut self, mut known: KnownRobot) {
+        self.stepper.batch.checkpoint(&mut known);
+        self.robots.insert(known.name.clone(), known);
+    }
+
     /// Forgets a robot that was decommissioned, and clears its retained messages at the broker.
-    pub(crate) fn forget(&mut self, name: &Name) {
-        self.announced.take(name);
-        let Some(known) = self.robots.shift_remove(name) else { return };
+    pub(crate) fn forget(&mut self, known: KnownRobot) {
+        let name = known.name;
+        self.announced.take(&name);
+        known.withdrawal.withdraw();
+        self.stepper.clear_retained(&name);
         let former = Former { seqs: known.seqs, next_version: known.robot.next_version(), is_cleared: true };
-        self.former.insert(name.clone(), former);
-        self.stepper.clear_retained(name);
+        self.former.insert(name, former);
     }
 
     /// Makes the retained messages of decommissioned robots due to be cleared again.

@@ -81,8 +81,11 @@ impl Worker {
 }
 
 impl Stepper {
-    /// Publishes a setpoint, unless it has expired or its pressure is not one of the whisker.
+    /// Publishes a setpoint, unless it has expired, its pressure is not one of the whisker, or the allow list excludes the robot.
     pub(crate) fn publish_setpoint(&mut self, known: &mut KnownRobot, command: &Command, sent: Sent) {
+        if known.is_excluded {
+            return;
+        }
         let Some(whisker) = known.robot.whisker(command.whisker) else { return };
         let (pressure_mpa, limit_mpa) = (command.pressure.mpa(), whisker.sheet.pressure_max.mpa());
         if !is_pressure_in_range(pressure_mpa, limit_mpa) {
@@ -137,7 +140,8 @@ impl Stepper {
             }
         };
         let publication = Publication::new(known.name.clone(), ToRobot::Setpoint(Box::new(setpoint)));
-        self.batch.publish_setpoint(Publication { until: Some(until), stopwatch, ..publication });
+        let withdrawal = Some(known.withdrawal.clone());
+        self.batch.publish_setpoint(Publication { until: Some(until), stopwatch, withdrawal, ..publication });
         if let Some(traces) = &mut self.traces {
             traces.sending(&known.name, command);
         }
@@ -158,14 +162,19 @@ impl Stepper {
         self.batch.publish(Publication::new(robot.clone(), ToRobot::Request(request)));
     }
 
-    /// Requests a touch test. The broker forgets it when the robot would reject it as expired.
+    /// Requests a touch test, unless the allow list excludes the robot. The broker forgets it when the robot would reject it as
+    /// expired.
     pub(super) fn publish_test(&mut self, known: &mut KnownRobot, test: &TouchTest) {
+        if known.is_excluded {
+            return;
+        }
         let test_id = command_id(&self.fleet, &known.name, test.key);
         let sender = (self.boot_id.clone(), known.seqs.next_request());
         let Some(request) = edge::touch_tests::request(&known.robot, test, test_id, sender) else { return };
         let valid_for = Duration::from_micros(self.params.command.time_to_live.0);
         let publication = Publication::new(known.name.clone(), ToRobot::Request(request));
-        self.batch.publish(Publication { until: Some(Instant::now() + valid_for), ..publication });
+        let (until, withdrawal) = (Some(Instant::now() + valid_for), Some(known.withdrawal.clone()));
+        self.batch.publish(Publication { until, withdrawal, ..publication });
     }
 
     /// Clears the retained messages of a robot that has left for good: new clients must not take it for a present one.

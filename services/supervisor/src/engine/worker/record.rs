@@ -7,7 +7,7 @@ use vibrissa_protocol::{self as protocol, RobotTopic};
 
 use super::log;
 use super::publication::Sent;
-use super::rows::{decision_row, error_row, refinement_row, setpoint_row};
+use super::rows::{decision_row, error_row, refinement_row, response_time, setpoint_row};
 use super::stepper::Stepper;
 use super::touch_tests::{is_over, progress_row, proposed_test_row, test_row};
 use crate::engine::commit::batch::Source;
@@ -174,9 +174,10 @@ impl Stepper {
                 let t_us = source
                     .and_then(|source| source.message.contacts.get(response.position))
                     .map_or(0, |sent| sent.t_us);
+                let ahead_us = known.robot.clock_ahead_us(now);
                 self.batch.rows_mut().responses.push(ResponseRow {
                     compensation_id: wide_id(robot_id, response.compensation),
-                    t_us: t_us as i64,
+                    t_us: response_time(t_us as i64, ahead_us, recorded_us),
                     ratio: response.ratio.a(),
                     deflection_mm: response.deflection.mm(),
                     after_strain: response.after.ratio(),

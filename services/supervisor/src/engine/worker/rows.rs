@@ -48,6 +48,20 @@ pub(super) fn decision_row(
     }
 }
 
+/// A difference of a robot's clock from the supervisor's that makes its times useless for the retention of rows, µs.
+const CLOCK_WRONG_US: i64 = 86_400_000_000;
+/// A contact waits for its supervisor no longer than this, µs.
+const WAITS_US: i64 = 30 * 86_400_000_000;
+
+/// Time of a contact for the row of its response, which is removed by this time. `ahead_us` is how far the robot's clock is
+/// ahead, if that is known.
+pub(super) fn response_time(t_us: i64, ahead_us: Option<i64>, received_us: i64) -> i64 {
+    let wrong_us = ahead_us.filter(|ahead_us| ahead_us.abs() > CLOCK_WRONG_US).unwrap_or_default();
+    let at_us = t_us.saturating_sub(wrong_us);
+    let possible = received_us.saturating_sub(WAITS_US)..=received_us.saturating_add(CLOCK_WRONG_US);
+    if possible.contains(&at_us) { at_us } else { received_us }
+}
+
 pub(super) fn setpoint_row(
     robot_id: i64,
     fleet: &Name,
@@ -113,4 +127,30 @@ pub(super) fn refinement_row(robot_id: i64, recorded_us: i64, refinement: &Refin
 
 fn interval(mean: f64, sd: f64) -> Interval {
     Interval { mean, low: (mean - Z95 * sd).max(0.0), high: mean + Z95 * sd }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The responses of a robot in 1970 were removed at once, and those of one in 2070 stayed as long as the compensation.
+    #[test]
+    fn regress_a_response_has_no_time_of_a_wrong_clock() {
+        const NOW_US: i64 = 1_795_248_000_000_000;
+        const HOUR_US: i64 = 3_600_000_000;
+        for (t_us, ahead_us, at_us) in [
+            (NOW_US - 2, Some(7), NOW_US - 2),
+            (NOW_US + HOUR_US, Some(HOUR_US), NOW_US + HOUR_US),
+            // After an outage of nine days.
+            (NOW_US - 216 * HOUR_US, Some(-7), NOW_US - 216 * HOUR_US),
+            (17, Some(17 - NOW_US), NOW_US),
+            (17 - 216 * HOUR_US, Some(17 - NOW_US), NOW_US - 216 * HOUR_US),
+            (NOW_US + 9_000 * HOUR_US, Some(9_000 * HOUR_US), NOW_US),
+            (17, None, NOW_US),
+            (NOW_US + 9_000 * HOUR_US, None, NOW_US),
+            (i64::MAX, Some(i64::MIN + 1), NOW_US),
+        ] {
+            assert_eq!(response_time(t_us, ahead_us, NOW_US), at_us, "{t_us} {ahead_us:?}");
+        }
+    }
 }

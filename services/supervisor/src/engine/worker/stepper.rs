@@ -24,6 +24,7 @@ use crate::engine::robot::KnownRobot;
 use crate::engine::robot::retention::ContactRetention;
 use crate::engine::rollout::trial::TrialParams;
 use crate::metrics::FleetMetrics;
+use crate::outbox::Withdrawal;
 use crate::set_aside::Reader;
 use crate::trace::{OpenTraces, PendingSpans, Step, is_traced};
 use vibrissa_edge::clock::wall_clock;
@@ -312,8 +313,10 @@ impl Stepper {
         (known.is_excluded, known.is_row_due) = (is_excluded, true);
         self.batch.checkpoint(known);
         if !is_excluded {
+            known.withdrawal = Withdrawal::default();
             return known.robot.review_alarms(wall_clock());
         }
+        known.withdrawal.withdraw();
         let has_unheard = std::mem::take(&mut known.repeats).stands();
         if known.robot.withdraw_alarms() || has_unheard {
             let cleared_us = wall_clock().0 as i64;

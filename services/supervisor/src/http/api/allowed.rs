@@ -190,6 +190,10 @@ async fn set(
 ///
 /// The fleet's owner applies the list within five seconds. It then refuses messages of other robots as `not_allowed`;
 /// their recorded data stay. Robots in a supervisor's file (`limits.robots_file`) are allowed as well.
+///
+/// Once this is answered, no further setpoint and no further request of a touch test goes out to an excluded robot. Those that wait
+/// for the broker are withdrawn when the list is applied. One that the broker has already can still reach the robot until it
+/// expires, 20 s after it was made at the latest.
 #[utoipa::path(
     put, path = "/v1/fleets/{fleet}/allowed-robots", tag = "robots",
     params(

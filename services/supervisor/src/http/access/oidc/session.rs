@@ -313,6 +313,6 @@ async fn opened(store: &Store, cookie: &Secret) -> Result<Option<(SessionRow, To
     }
     let (id, key) = bytes.split_at(ID_BYTES);
     let row = store.session(blake3::hash(id).as_bytes()).await?;
-    let row = row.filter(|row| row.expires_us > wall_clock().0 as i64);
+    let row = row.filter(|row| row.holds(wall_clock().0 as i64));
     Ok(row.and_then(|row| open(&row.sealed, key).map(|tokens| (row, tokens, key.to_vec()))))
 }
