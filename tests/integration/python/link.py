@@ -29,6 +29,8 @@ class Agent:
 
     def accept(self) -> "tuple[socket.socket, Any]":
         link, _ = self.listener.accept()
+        # A line that is missing must end the test.
+        link.settimeout(30.0)
         lines = (json.loads(line) for line in link.makefile("rb"))
         assert next(lines)["type"] == "hello"
         return link, lines
