@@ -61,6 +61,33 @@ enum Command {
     Completions(CompletionsArgs),
 }
 
+/// Why a program that is its own driver cannot be calibrated.
+const NOT_REACHED: &str = "no driver can be reached, because [driver] names no way: the robot's program is the driver. End it, and \
+    name a way to the boards for the calibration, such as serial; it has no effect on the program";
+
+/// The agent of a robot in Python reads a file without a way to a driver; there is none to check.
+fn checked(path: &Path) -> anyhow::Result<()> {
+    let (mut config, is_driven) = Config::read_either(path).with_context(|| path.display().to_string())?;
+    config.broker.transport()?;
+    if is_driven {
+        config.drivers.clear();
+    }
+    let problems = preflight::problems(&config);
+    if !problems.is_empty() {
+        anyhow::bail!("{}: {}", path.display(), problems.join("\n  "));
+    }
+    println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
+    if is_driven {
+        println!(
+            "warning: [driver] names no way, so that only a program that is the driver can use the file, such as one in Python: \
+             vibrissa-robot itself does not start with it"
+        );
+    }
+    preflight::remarks(&config).iter().for_each(|remark| println!("{remark}"));
+    exposure::exposures(path, &config).iter().for_each(|exposure| println!("warning: {exposure}"));
+    Ok(())
+}
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let logged = log::start(EnvFilter::new(&arguments.log)).map_err(anyhow::Error::from);
@@ -88,14 +115,14 @@ fn started(path: &Path, is_check: bool, command: Option<Command>) -> anyhow::Res
         return Ok(completions::run(&shell, &mut Arguments::command(), &mut stdout())?);
     }
     if let Some(Command::Monitor { once }) = command {
-        // The agent of a Python robot has no way to a driver in its file.
-        let config =
-            Config::read(path).or_else(|problem| match Config::read_driven_at(path, PathBuf::from("driver")) {
-                Ok(config) => Ok(config),
-                Err(_) => Err(problem),
-            });
-        let config = config.with_context(|| path.display().to_string())?;
+        let (config, _) = Config::read_either(path).with_context(|| path.display().to_string())?;
         return runtime()?.block_on(monitor::watch(&config, once));
+    }
+    if is_check {
+        return checked(path);
+    }
+    if matches!(command, Some(Command::Calibrate { .. })) && Config::read_either(path).is_ok_and(|(_, driven)| driven) {
+        anyhow::bail!("{}: {NOT_REACHED}", path.display());
     }
     let config = Config::read(path).with_context(|| path.display().to_string())?;
     if let Some(Command::Calibrate { whiskers, again }) = command {
@@ -104,17 +131,6 @@ fn started(path: &Path, is_check: bool, command: Option<Command>) -> anyhow::Res
         // A thread still waits for a line of the terminal.
         runtime.shutdown_background();
         return outcome;
-    }
-    if is_check {
-        config.broker.transport()?;
-        let problems = preflight::problems(&config);
-        if !problems.is_empty() {
-            anyhow::bail!("{}: {}", path.display(), problems.join("\n  "));
-        }
-        println!("{}: robot {} of fleet {} is well configured", path.display(), config.robot, config.fleet);
-        preflight::remarks(&config).iter().for_each(|remark| println!("{remark}"));
-        exposure::exposures(path, &config).iter().for_each(|exposure| println!("warning: {exposure}"));
-        return Ok(());
     }
     exposure::warn(path, &config);
     runtime()?.block_on(async {

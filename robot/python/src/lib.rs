@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use tokio::sync::watch;
 use tracing_subscriber::EnvFilter;
 use vibrissa_robot::config::BadConfig;
-use vibrissa_robot::{Config, exposure, hub};
+use vibrissa_robot::{Config, ending, exposure, hub};
 
 /// Why the agent has ended; shared with its thread.
 type Failure = Arc<Mutex<Option<String>>>;
@@ -21,12 +21,13 @@ fn set(failure: &Failure, problem: String) {
 }
 
 fn run(config: Config, stopping: watch::Receiver<bool>, failure: &Failure) {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build();
-    let ended = match runtime {
-        Ok(runtime) => runtime.block_on(hub::run(config, stopping)).map_err(|problem| problem.to_string()),
-        Err(problem) => Err(problem.to_string()),
+    let run = || {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(2).build();
+        let runtime = runtime.map_err(|problem| problem.to_string())?;
+        runtime.block_on(hub::run(config, stopping)).map_err(|problem| problem.to_string())
     };
-    set(failure, ended.err().unwrap_or_else(|| "the agent was stopped".to_owned()));
+    // Nobody joins this thread before the robot is closed, so a panic must be told, too.
+    set(failure, ending::reason(run));
 }
 
 /// The agent of one robot.
@@ -68,9 +69,7 @@ impl Agent {
             // An error here means that the agent has already ended.
             let _ = self.stop.send(true);
             let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-            if thread.is_some_and(|thread| thread.join().is_err()) {
-                set(&self.failure, "the agent has panicked".to_owned());
-            }
+            let _ = thread.map(JoinHandle::join);
         });
     }
 }

@@ -44,6 +44,7 @@ pub(crate) fn contact_line(contact: Contact, t_us: Option<u64>) -> Result<Contac
         t_us,
         deflection_mm: contact.deflection_m * 1e3,
         strain: contact.strain,
+        saturated: contact.saturated.then_some(true),
         distance_mm: None,
         distance_sd_mm: None,
         ratio: None,

@@ -28,6 +28,7 @@ pub struct Contact {
     pub ratio_sd: f64,
     pub test_id: String,
     pub missed: bool,
+    pub saturated: bool,
 }
 
 /// `vibrissa_msgs/msg/Strain`: its file explains the fields.

@@ -86,6 +86,7 @@ fn contact() -> Contact {
         ratio_sd: 0.0,
         test_id: String::new(),
         missed: false,
+        saturated: false,
     }
 }
 
@@ -199,6 +200,8 @@ fn contacts_become_lines_in_the_units_of_the_agent() {
     assert_eq!((&at_tip["tip"], &at_tip["distance_mm"]), (&json!(true), &json!(null)));
     let missed = line(Contact { missed: true, ..contact() });
     assert_eq!(missed["touched"], json!(false));
+    let saturated = line(Contact { saturated: true, ..contact() });
+    assert_eq!((&saturated["saturated"], &missed["saturated"]), (&json!(true), &json!(null)));
 }
 
 #[test]
@@ -222,7 +225,10 @@ fn bad_contacts_are_counted_and_the_reason_is_reported() {
     assert_eq!((of_bridge.level, of_bridge.name.as_str()), (Level::Warn as u8, "vibrissa: bridge"));
     let value = |key: &str| of_bridge.values.iter().find(|one| one.key == key).map(|one| one.value.as_str());
     assert_eq!((value("refused"), value("shed")), (Some("5"), Some("3")));
-    assert_eq!(value("last_problem"), Some("an unreadable contact: too short"));
+    assert_eq!(
+        value("last_problem"),
+        Some("an unreadable contact: too short; are the vibrissa_msgs of this version built?")
+    );
 }
 
 #[test]

@@ -201,6 +201,9 @@ pub struct ContactLine {
     pub deflection_mm: f64,
     /// Strain of the gauge.
     pub strain: f64,
+    /// True if the strain was at an end of the gauge's range.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub saturated: Option<bool>,
     /// Distance from the base, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_mm: Option<f64>,

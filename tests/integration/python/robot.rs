@@ -58,6 +58,14 @@ async fn the_robot_does_what_its_types_say() {
     }
 }
 
+/// States were lost with a connection, a panic was told to nobody, and events that callbacks had taken counted as dropped.
+#[test]
+fn regress_a_robot_tells_its_states_again_and_hears_the_end_of_its_agent() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("integration/python/link.py");
+    let mut command = Command::new("python3");
+    assert_eq!(succeed(command.arg(script).arg(project().join("robot/python/python"))), "ended\n");
+}
+
 async fn get(http: SocketAddr, path: &str) -> Value {
     let bearer = format!("Bearer {TOKEN}");
     ask(http, "GET", path, &[("authorization", &bearer)]).await.unwrap().json()

@@ -102,6 +102,7 @@ fn a_touch_test_is_an_action_of_the_robots_node() {
     let of_test = |line: &Value| (line["test_id"] == "t1" && line["type"] == "contact").then(|| line.clone());
     let (touch, missed) = (bridge.hear("a touch", of_test), bridge.hear("a missed touch", of_test));
     assert_eq!((&touch["strain"], &touch["touched"]), (&json!(0.0102), &Value::Null));
+    assert_eq!((&touch["saturated"], &missed["saturated"]), (&json!(true), &Value::Null));
     assert_eq!(missed["touched"], json!(false));
     assert_eq!(bridge.hear("its end", state), "DONE");
 }

@@ -32,6 +32,7 @@ class Contact(IdlStruct, typename="vibrissa_msgs::msg::dds_::Contact_"):
     ratio_sd: float64
     test_id: str
     missed: bool
+    saturated: bool
 
 
 @dataclass

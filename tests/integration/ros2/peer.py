@@ -84,8 +84,8 @@ def header():
     return Header(stamp(), "")
 
 
-def contact(strain, test_id="", missed=False):
-    return Contact(header(), "left-front", 0, 0.002, strain, 1, 0.05, 0.0005, 0.0, 0.0, test_id, missed)
+def contact(strain, test_id="", missed=False, saturated=False):
+    return Contact(header(), "left-front", 0, 0.002, strain, 1, 0.05, 0.0005, 0.0, 0.0, test_id, missed, saturated)
 
 
 def writer(participant, name, kind, qos):
@@ -114,7 +114,7 @@ class TouchTests:
             self.answers.write(SendGoalResponse(request.call, True, stamp()))
         for request in self.requests.take(N=10):
             goal = self.accepted[tuple(request.goal_id)]
-            touches = [contact(0.0102, goal.test_id), contact(0.0, goal.test_id, missed=True)]
+            touches = [contact(0.0102, goal.test_id, saturated=True), contact(0.0, goal.test_id, missed=True)]
             self.results.write(GetResultResponse(request.call, SUCCEEDED, Result(touches, "")))
 
 

@@ -201,8 +201,8 @@ impl Bench {
             next,
             held: held.iter().map(|&seq| (seq, seq)).collect(),
         };
-        if self.heard.boot.as_ref() == Some(boot) {
-            self.heard.ledger.cover(next, held, Instant::now());
+        if let Some(ledger) = self.heard.ledger_mut(boot) {
+            ledger.cover(next, held, Instant::now());
         }
         self.tell(RobotTopic::Receipt, &receipt).await
     }

@@ -30,7 +30,9 @@ impl Bench {
     /// Tests contacts, if any arrive, and receipts, if the robot supports them.
     pub(super) async fn contacts(&mut self) -> anyhow::Result<()> {
         let limit = self.timings().contacts;
-        let Some(boot) = self.until(limit, |heard| heard.boot.clone().filter(|_| heard.ledger.len() > 0)).await? else {
+        let Some(boot) =
+            self.until(limit, |heard| heard.boot.clone().filter(|boot| heard.ledger(boot).len() > 0)).await?
+        else {
             let why = format!("no contacts arrived within {}: touch a whisker during the check", seconds(limit));
             self.skip(
                 &[
@@ -51,43 +53,49 @@ impl Bench {
         if !self.heard.factsheet.as_ref().is_some_and(states_range) {
             self.exempt(&[Rule::StrainWithinGauge], "the factsheet states no strain_max");
         }
-        if self.heard.ledger.at_least_once > 0 {
+        if self.heard.at_least_once > 0 {
             let why = "contacts come with quality of service 1: this robot leaves retransmission to MQTT";
             self.skip(&[Rule::ContactsResent], why);
             self.skip(&AGAIN, why);
             return Ok(());
         }
         // Receipts everything so far, so that the first pause is the shortest.
-        let first = self.heard.ledger.end();
+        let first = self.heard.ledger(&boot).end();
         self.receipt(&boot, first, &[]).await?;
-        self.heard.ledger.judges_order = true;
-        let is_resending = self.withhold(first).await?;
+        self.judge_order(&boot, true);
+        let is_resending = self.withhold(&boot, first).await?;
         self.is_resending = is_resending;
-        self.heard.ledger.judges_order = false;
-        let missing = self.heard.ledger.missing(first);
+        self.judge_order(&boot, false);
+        let missing = self.heard.ledger(&boot).missing(first);
         if let Some(seq) = missing.first() {
             let seen = format!("contacts {seq} and {} others never arrived", missing.len() - 1);
             self.fail(Rule::SeqWithoutGaps, seen);
         }
         if is_resending {
             self.partly(&boot).await?;
-            let end = self.heard.ledger.end();
+            let end = self.heard.ledger(&boot).end();
             self.receipt(&boot, end, &[]).await?;
         }
         Ok(())
     }
 
+    fn judge_order(&mut self, boot: &BootId, judges_order: bool) {
+        if let Some(ledger) = self.heard.ledger_mut(boot) {
+            ledger.judges_order = judges_order;
+        }
+    }
+
     /// Withholds receipts, and watches whether messages from `first` on are sent again; returns whether they are.
-    async fn withhold(&mut self, first: u64) -> anyhow::Result<bool> {
+    async fn withhold(&mut self, boot: &BootId, first: u64) -> anyhow::Result<bool> {
         let (contacts, resend, backoff) = (self.timings().contacts, self.timings().resend, self.timings().backoff);
-        let oldest = |heard: &Listener| heard.ledger.uncovered().into_iter().find(|&seq| seq >= first);
+        let oldest = |heard: &Listener| heard.ledger(boot).uncovered().into_iter().find(|&seq| seq >= first);
         let Some(seq) = self.until(contacts, oldest).await? else {
             let why = format!("no more contacts arrived within {}", seconds(contacts));
             self.skip(&[Rule::ContactsResent], &why);
             self.skip(&AGAIN, &why);
             return Ok(false);
         };
-        let again = self.until(resend, |heard| (heard.ledger.times(seq).len() > 1).then_some(())).await?;
+        let again = self.until(resend, |heard| (heard.ledger(boot).times(seq).len() > 1).then_some(())).await?;
         if again.is_none() {
             self.fail(Rule::ContactsResent, format!("contacts {seq} was not sent again within {}", seconds(resend)));
             self.skip(&AGAIN, "nothing is sent again");
@@ -97,25 +105,25 @@ impl Bench {
         let begun = Instant::now();
         for sendings in [SENDINGS, SENDINGS_IN_DOUBT] {
             let left = backoff.saturating_sub(begun.elapsed());
-            let has_enough = |heard: &Listener| (heard.ledger.times(seq).len() >= sendings).then_some(());
-            if self.until(left, has_enough).await?.is_none() || has_grown(&self.pauses(seq, sendings)) {
+            let has_enough = |heard: &Listener| (heard.ledger(boot).times(seq).len() >= sendings).then_some(());
+            if self.until(left, has_enough).await?.is_none() || has_grown(&self.pauses(boot, seq, sendings)) {
                 break;
             }
         }
-        self.judge_pauses(seq, backoff);
+        self.judge_pauses(boot, seq, backoff);
         self.skip(&[Rule::ResendOldestFirst], "at no time did more than one message wait to be sent again");
         Ok(true)
     }
 
     /// Pauses between the first transmissions of a message, s.
-    fn pauses(&self, seq: u64, sendings: usize) -> Vec<f64> {
-        let times = self.heard.ledger.times(seq);
+    fn pauses(&self, boot: &BootId, seq: u64, sendings: usize) -> Vec<f64> {
+        let times = self.heard.ledger(boot).times(seq);
         let pause = |pair: &[Instant]| (pair[1] - pair[0]).as_secs_f64();
         times.windows(2).take(sendings - 1).map(pause).collect()
     }
 
-    fn judge_pauses(&mut self, seq: u64, limit: Duration) {
-        let pauses = self.pauses(seq, SENDINGS_IN_DOUBT);
+    fn judge_pauses(&mut self, boot: &BootId, seq: u64, limit: Duration) {
+        let pauses = self.pauses(boot, seq, SENDINGS_IN_DOUBT);
         let shown = pauses.iter().map(|pause| format!("{pause:.2}")).collect::<Vec<_>>().join(", ");
         if pauses.len() < SENDINGS - 1 {
             let sent = pauses.len() + 1;
@@ -131,7 +139,7 @@ impl Bench {
     async fn partly(&mut self, boot: &BootId) -> anyhow::Result<()> {
         let (contacts, resend, grace) = (self.timings().contacts, self.timings().resend, self.timings().grace);
         let enough = |heard: &Listener| {
-            let open = heard.ledger.uncovered();
+            let open = heard.ledger(boot).uncovered();
             (open.len() >= 4).then(|| [open[0], open[1], open[2], open[3]])
         };
         let Some([below, gap, held, beyond]) = self.until(contacts, enough).await? else {
@@ -144,7 +152,7 @@ impl Bench {
         let text = format!("after next = {}, held = [[{held}, {held}]]", below + 1);
         let since = receipted + grace;
         let both = |heard: &Listener| {
-            let comes = |seq| heard.ledger.times(seq).iter().any(|&at| at > since);
+            let comes = |seq| heard.ledger(boot).times(seq).iter().any(|&at| at > since);
             (comes(gap) && comes(beyond)).then_some(())
         };
         let all = self.until(resend, both).await?;
@@ -152,23 +160,23 @@ impl Bench {
         self.listen(grace / 2).await?;
         self.pass(Rule::ReceiptNext, format!("{text}, contacts {below} was not sent again"));
         self.pass(Rule::ReceiptHeld, format!("{text}, contacts {held} was not sent again"));
-        if all.is_none() && !self.heard.ledger.times(gap).iter().any(|&at| at > since) {
+        if all.is_none() && !self.heard.ledger(boot).times(gap).iter().any(|&at| at > since) {
             let seen = format!("{text}, contacts {gap} was not sent again within {}", seconds(resend));
             self.fail(Rule::ReceiptGap, seen);
             self.skip(&[Rule::ReceiptBoot], "messages that a receipt leaves open are not sent again");
             return Ok(());
         }
         self.pass(Rule::ReceiptGap, format!("{text}, contacts {gap} was sent again"));
-        self.foreign(gap).await
+        self.foreign(boot, gap).await
     }
 
     /// Sends a receipt for another boot, which must cover nothing.
-    async fn foreign(&mut self, open: u64) -> anyhow::Result<()> {
+    async fn foreign(&mut self, boot: &BootId, open: u64) -> anyhow::Result<()> {
         let other = BootId::new("a-boot-that-never-was")?;
-        let (end, receipted) = (self.heard.ledger.end(), Instant::now());
+        let (end, receipted) = (self.heard.ledger(boot).end(), Instant::now());
         self.receipt(&other, end, &[]).await?;
         let (resend, since) = (self.timings().resend, receipted + self.timings().grace / 2);
-        let comes = |heard: &Listener| heard.ledger.times(open).iter().any(|&at| at > since).then_some(());
+        let comes = |heard: &Listener| heard.ledger(boot).times(open).iter().any(|&at| at > since).then_some(());
         let again = self.until(resend, comes).await?;
         let how = if again.is_some() { "was sent again" } else { "was not sent again" };
         let seen = format!("after a receipt for another boot, contacts {open} {how}");

@@ -1,17 +1,16 @@
 //! The end of the robot's program in good order, and its next start.
 
-use std::collections::BTreeSet;
 use std::time::Duration;
 
 use tokio::time::Instant;
-use vibrissa_protocol::{BootId, Connection, ConnectionState, Rule};
+use vibrissa_protocol::{Connection, ConnectionState, Rule};
 
 use super::action::Action;
 use super::assisted::Told;
 use super::bench::Bench;
 use super::listener::Listener;
 use super::report::seconds;
-use super::restart::connection;
+use super::restart::{boots, connection};
 
 /// Interval in which the check looks whether the statuses have ended.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
@@ -100,9 +99,4 @@ impl Bench {
         self.until(limit, |heard| heard.statuses(mark).next().map(drop)).await?;
         Ok(true)
     }
-}
-
-/// Boots that have introduced themselves.
-fn boots(heard: &Listener) -> BTreeSet<BootId> {
-    heard.connections(0).map(|(_, connection, _)| connection.boot_id.clone()).chain(heard.boot.clone()).collect()
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use bytes::Bytes;
 use tokio::time::Instant;
-use vibrissa_protocol::{BootId, Rule};
+use vibrissa_protocol::Rule;
 
 use super::report::Findings;
 
@@ -30,14 +30,11 @@ struct Sent {
     covered: Option<(Instant, Cover)>,
 }
 
-/// The contacts messages of the robot's present boot.
+/// The contacts messages of one boot: numbers and receipts of another one mean other messages.
 #[derive(Debug, Default)]
 pub(super) struct Ledger {
-    boot: Option<BootId>,
     sent: BTreeMap<u64, Sent>,
     arrivals: u64,
-    /// Number of messages with quality of service 1: their sender relies on the broker.
-    pub(super) at_least_once: u64,
     /// Whether the order of repeated messages is judged: only while nothing is receipted.
     pub(super) judges_order: bool,
     /// Receipts sent; few, because the check makes each one deliberately.
@@ -67,17 +64,7 @@ impl Receipted {
 
 impl Ledger {
     /// Records the arrival of a message.
-    pub(super) fn arrive(
-        &mut self,
-        (boot, seq): (&BootId, u64),
-        payload: &Bytes,
-        at: Instant,
-        grace: Duration,
-        findings: &mut Findings,
-    ) {
-        if self.boot.as_ref() != Some(boot) {
-            *self = Self { boot: Some(boot.clone()), ..Self::default() };
-        }
+    pub(super) fn arrive(&mut self, seq: u64, payload: &Bytes, at: Instant, grace: Duration, findings: &mut Findings) {
         self.arrivals += 1;
         let order = self.arrivals;
         let overtaken = self.overtaken(seq);
@@ -207,9 +194,7 @@ mod tests {
 
         fn says(&mut self, seq: u64, text: String) {
             self.at += Duration::from_millis(500);
-            let (boot, grace) = (BootId::new("b").unwrap(), Duration::from_millis(400));
-            self.ledger.arrive((&boot, seq), &Bytes::from(text), self.at, grace, &mut self.findings);
-            self.ledger.judges_order = true;
+            self.ledger.arrive(seq, &Bytes::from(text), self.at, Duration::from_millis(400), &mut self.findings);
         }
 
         fn outcome(self, rule: Rule) -> Outcome {

@@ -29,7 +29,11 @@ pub(super) struct Listener {
     pub(super) findings: Findings,
     /// All valid messages in the order of arrival.
     pub(super) log: Vec<Entry>,
-    pub(super) ledger: Ledger,
+    /// Contacts messages by boots: a robot may send those of earlier boots, too.
+    ledgers: BTreeMap<BootId, Ledger>,
+    none: Ledger,
+    /// Number of contacts messages with quality of service 1: their sender relies on the broker.
+    pub(super) at_least_once: u64,
     /// Newest boot of the robot.
     pub(super) boot: Option<BootId>,
     pub(super) factsheet: Option<Factsheet>,
@@ -41,6 +45,11 @@ pub(super) struct Listener {
     pub(super) is_live: bool,
     /// A boot that began during the check: its numbers must begin at 0.
     born: Option<BootId>,
+    /// First numbers of such boots. A robot introduces earlier boots, too, whose numbers go on: only its present boot has
+    /// statuses, and its numbers are judged from the first one on.
+    begun: Vec<(BootId, RobotTopic, u64)>,
+    /// The boot of the newest status.
+    reporting: Option<BootId>,
     /// Whiskers of which a contact ratio has arrived, by boots.
     with_ratio: BTreeSet<(BootId, Name, u16)>,
     /// Whether the check has told the robot lengths.
@@ -56,7 +65,9 @@ impl Listener {
         Self {
             findings: Findings::default(),
             log: Vec::new(),
-            ledger: Ledger::default(),
+            ledgers: BTreeMap::new(),
+            none: Ledger::default(),
+            at_least_once: 0,
             boot: None,
             factsheet: None,
             connection: None,
@@ -64,6 +75,8 @@ impl Listener {
             retains: true,
             is_live: false,
             born: None,
+            begun: Vec::new(),
+            reporting: None,
             with_ratio: BTreeSet::new(),
             sent_lengths: false,
             streams: BTreeMap::new(),
@@ -76,6 +89,16 @@ impl Listener {
     /// Whether this boot began during the check.
     pub(super) fn was_born(&self, boot: &BootId) -> bool {
         self.born.as_ref() == Some(boot)
+    }
+
+    /// The contacts messages of a boot.
+    pub(super) fn ledger(&self, boot: &BootId) -> &Ledger {
+        self.ledgers.get(boot).unwrap_or(&self.none)
+    }
+
+    /// The same to change; `None` for a boot without contacts.
+    pub(super) fn ledger_mut(&mut self, boot: &BootId) -> Option<&mut Ledger> {
+        self.ledgers.get_mut(boot)
     }
 
     /// The check has told the robot lengths.
@@ -152,7 +175,7 @@ impl Listener {
             | RobotTopic::Maintenance => {}
         }
         if kind == RobotTopic::Contacts && qos == 1 {
-            self.ledger.at_least_once += 1;
+            self.at_least_once += 1;
         }
     }
 
@@ -167,12 +190,22 @@ impl Listener {
         let key = (boot.clone(), kind);
         let last = self.streams.get(&key);
         let time_us = message.and_then(time_us);
-        let is_new = self.born.as_ref() == Some(boot) || message.is_some_and(|message| self.is_birth(message));
-        if last.is_none() && is_new {
+        if message.is_some_and(|message| self.is_birth(message)) {
+            self.born = Some(boot.clone());
+        }
+        if last.is_none() && self.born.as_ref() == Some(boot) {
+            self.begun.push((boot.clone(), kind, seq));
+        }
+        if kind == RobotTopic::Status {
+            self.reporting = Some(boot.clone());
+        }
+        let reporting = self.reporting.as_ref();
+        for (_, kind, seq) in self.begun.extract_if(.., |(begun, ..)| reporting == Some(begun)) {
             self.findings.judge(Rule::SeqFromZero, seq == 0, format!("{kind} began at {seq} after the restart"));
         }
         if kind == RobotTopic::Contacts {
-            self.ledger.arrive((boot, seq), &received.payload, received.at, self.grace, &mut self.findings);
+            let ledger = self.ledgers.entry(boot.clone()).or_default();
+            ledger.arrive(seq, &received.payload, received.at, self.grace, &mut self.findings);
         }
         // Connection messages are ordered by arrival, and contacts are repeated: both have rules of their own.
         if let Some(last) = last.filter(|_| !matches!(kind, RobotTopic::Connection | RobotTopic::Contacts)) {
@@ -199,20 +232,17 @@ impl Listener {
         self.streams.insert(key, Stream { seq, payload: received.payload.clone(), time_us });
     }
 
-    /// Whether the message begins a boot during the check.
+    /// Whether the message begins a boot during the check: one of which nothing was heard before.
     fn is_birth(&self, message: &Message) -> bool {
         let Message::Connection(connection) = message else { return false };
-        let is_other = self.boot.as_ref().is_some_and(|known| *known != connection.boot_id);
-        self.is_live && connection.state == ConnectionState::Online && is_other
+        let is_known = self.streams.keys().any(|(known, _)| *known == connection.boot_id);
+        self.is_live && connection.state == ConnectionState::Online && self.boot.is_some() && !is_known
     }
 
     fn judge_content(&mut self, message: &Message, received: &ReceivedMessage) {
         match message {
             Message::Connection(connection) => {
                 if connection.state == ConnectionState::Online {
-                    if self.is_birth(message) {
-                        self.born = Some(connection.boot_id.clone());
-                    }
                     self.boot = Some(connection.boot_id.clone());
                     let seen = match (received.retained, self.retains) {
                         (true, _) => "ONLINE, retained",
@@ -279,7 +309,9 @@ impl Listener {
                 self.findings
                     .fail(Rule::Clock, format!("a contact of contacts {} is {ahead_s:.3} s ahead", message.seq));
             }
-            if let Some(factsheet) = &self.factsheet {
+            // Those of an earlier boot may come from whiskers that the robot no longer has.
+            let factsheet = self.factsheet.as_ref().filter(|factsheet| factsheet.boot_id == message.boot_id);
+            if let Some(factsheet) = factsheet {
                 let (array, whisker) = (&contact.array, contact.whisker);
                 let is_known = whiskers(factsheet).any(|known| known == (array, whisker));
                 let seen =
@@ -306,7 +338,10 @@ impl Listener {
             }
         }
         if !message.contacts.is_empty() {
-            self.findings.pass(Rule::ContactsInRange, format!("in {} messages", self.ledger.len()));
+            self.findings.pass(
+                Rule::ContactsInRange,
+                format!("in {} messages", self.ledgers.values().map(Ledger::len).sum::<usize>()),
+            );
         }
     }
 }
@@ -334,3 +369,6 @@ fn time_us(message: &Message) -> Option<u64> {
         | Message::SupervisorRequest(_) => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,7 +35,7 @@ struct Seen {
 impl Bench {
     /// Tests which contacts messages the robot keeps, and its count of the others.
     pub(super) async fn memory(&mut self, progress: Told<'_>) -> anyhow::Result<()> {
-        if self.heard.ledger.at_least_once > 0 {
+        if self.heard.at_least_once > 0 {
             self.skip(&RULES, "contacts come with quality of service 1: this robot leaves retransmission to MQTT");
             return Ok(());
         }
@@ -48,7 +48,7 @@ impl Bench {
             self.skip(&RULES, "the robot does not obey receipts, with which the test finds what it keeps");
             return Ok(());
         }
-        let first = self.heard.ledger.end();
+        let first = self.heard.ledger(&boot).end();
         self.receipt(&boot, first, &[]).await?;
         self.listen(self.timings().grace).await?;
         let Some(before) = self.next_dropped().await? else {
@@ -61,14 +61,14 @@ impl Bench {
         let mark = self.mark();
         let is_full = |heard: &Listener| {
             let is_counted = dropped(heard, mark).is_some_and(|count| count > before);
-            (is_counted || heard.ledger.is_gone(first)).then_some(())
+            (is_counted || heard.ledger(&full.boot).is_gone(first)).then_some(())
         };
         let filled = self.until(limit, is_full).await?;
         self.please(progress, Action::Rest, self.timings().help);
         if filled.is_some() {
             self.judge_full(&full).await?;
         } else {
-            let sent = self.heard.ledger.end() - first;
+            let sent = self.heard.ledger(&full.boot).end() - first;
             let why = format!(
                 "the robot dropped none of {sent} messages within {}: give it a smaller memory for the check, touch \
                  more often, or raise --fill",
@@ -78,7 +78,7 @@ impl Bench {
         }
         // A silence of this length may have changed the pressure.
         self.is_away = true;
-        let end = self.heard.ledger.end();
+        let end = self.heard.ledger(&full.boot).end();
         self.receipt(&full.boot, end, &[]).await
     }
 
@@ -88,21 +88,21 @@ impl Bench {
         // A status that was under way when the first message was dropped does not count it.
         let counted = rise(self.next_dropped().await?);
         // Receipts the newest message only: the pauses start over, and the oldest ones come again.
-        let (newest, receipted) = (self.heard.ledger.end() - 1, Instant::now());
+        let (newest, receipted) = (self.heard.ledger(&full.boot).end() - 1, Instant::now());
         self.receipt(&full.boot, full.first, &[newest]).await?;
         let (resend, grace) = (self.timings().resend, self.timings().grace);
         let since = receipted + grace / 2;
-        if self.until(resend, |heard| heard.ledger.oldest_again(since)).await?.is_none() {
+        if self.until(resend, |heard| heard.ledger(&full.boot).oldest_again(since)).await?.is_none() {
             self.fail(Rule::ContactsBounded, format!("nothing was sent again within {} of a receipt", seconds(resend)));
             self.skip(&RULES, "nothing is sent again by a full memory");
             return Ok(());
         }
         // Collects the other messages of the same round.
         self.listen(grace / 2).await?;
-        let oldest = self.heard.ledger.oldest_again(since).unwrap_or(full.first);
+        let oldest = self.heard.ledger(&full.boot).oldest_again(since).unwrap_or(full.first);
         let later = rise(self.next_dropped().await?);
         let seen = Seen { first: full.first, oldest, dropped: (counted, later) };
-        let newest = self.heard.ledger.end() - 1;
+        let newest = self.heard.ledger(&full.boot).end() - 1;
         let text = seen.text();
         if seen.is_nothing() {
             self.skip(&RULES, &format!("{text}: a message that seemed to be dropped came late"));
@@ -116,7 +116,8 @@ impl Bench {
         // The newest one was kept, too.
         let receipted = Instant::now();
         self.receipt(&full.boot, newest, &[]).await?;
-        let comes = |heard: &Listener| heard.ledger.times(newest).iter().any(|&at| at > receipted).then_some(());
+        let comes =
+            |heard: &Listener| heard.ledger(&full.boot).times(newest).iter().any(|&at| at > receipted).then_some(());
         let is_kept = self.until(resend, comes).await?.is_some();
         let how = if is_kept { "was sent again" } else { "was not sent again" };
         self.judge(Rule::ContactsBounded, is_kept, format!("{text}; contacts {newest}, the newest, {how}"));

@@ -142,7 +142,7 @@ impl Bench {
         self.request_births().await?;
         let answer = |heard: &super::listener::Listener| {
             let mut after = heard.log[mark..].iter().skip_while(|entry| !is_birth_of(&entry.message, boot.as_ref()));
-            after.any(|entry| super::is_factsheet(&entry.message)).then_some(())
+            after.any(|entry| is_factsheet_of(&entry.message, boot.as_ref())).then_some(())
         };
         let came = self.until(limit, answer).await?;
         let seen = match came {
@@ -218,6 +218,10 @@ impl Bench {
 fn is_birth_of(message: &Message, boot: Option<&BootId>) -> bool {
     matches!(message, Message::Connection(connection)
         if connection.state == ConnectionState::Online && boot.is_none_or(|boot| connection.boot_id == *boot))
+}
+
+fn is_factsheet_of(message: &Message, boot: Option<&BootId>) -> bool {
+    matches!(message, Message::Factsheet(factsheet) if boot.is_none_or(|boot| factsheet.boot_id == *boot))
 }
 
 fn mean_gap(times: &[Instant]) -> Option<Duration> {

@@ -1,11 +1,12 @@
 //! Rules that can be tested only during a restart of the robot.
 
-use vibrissa_protocol::{BootId, Connection, ConnectionState, Rule};
+use std::collections::BTreeSet;
+
+use vibrissa_protocol::{BootId, Connection, ConnectionState, Message, Rule};
 
 use super::action::Action;
 use super::assisted::Told;
 use super::bench::Bench;
-use super::is_factsheet;
 use super::listener::Listener;
 use super::report::seconds;
 use super::timings::Help;
@@ -21,6 +22,7 @@ impl Bench {
             return Ok(());
         }
         let (mark, old, limit) = (self.mark(), self.heard.boot.clone(), self.timings().help);
+        let known = boots(&self.heard);
         self.please(progress, Action::CutPower, limit);
         // They may come in either order: a broker that waits for a silent robot publishes its will after its next
         // birth.
@@ -31,7 +33,10 @@ impl Bench {
         };
         self.until(limit, both).await?;
         let broken = connection(&self.heard, mark, ConnectionState::ConnectionBroken);
-        let birth = new_birth(&self.heard, mark, old.as_ref());
+        let patience = self.timings().status.1 + self.timings().answer;
+        let is_back = connection(&self.heard, mark, ConnectionState::Online).is_some();
+        let birth = if is_back { self.until(patience, |heard| reporting_birth(heard, mark)).await? } else { None };
+        let birth = birth.or_else(|| connection(&self.heard, mark, ConnectionState::Online));
         if connection(&self.heard, mark, ConnectionState::Offline).is_some() {
             self.skip(&RULES, "the robot signed off in good order: its power must be cut");
             return Ok(());
@@ -59,24 +64,25 @@ impl Bench {
                 self.skip(&[Rule::WillRetained], "no will was published");
             }
         }
-        self.rebirth(birth, old.as_ref()).await
+        self.rebirth(birth, &known).await
     }
 
     async fn rebirth(
         &mut self,
         birth: Option<(usize, (Connection, bool))>,
-        old: Option<&BootId>,
+        known: &BTreeSet<BootId>,
     ) -> anyhow::Result<()> {
         let Some((at, (birth, _))) = birth else {
             let why = format!("the robot did not return within {}", seconds(self.timings().help));
             self.skip(&RULES, &why);
             return Ok(());
         };
-        let is_new = Some(&birth.boot_id) != old;
+        let is_new = !known.contains(&birth.boot_id);
         let seen = if is_new { "a new boot_id".to_owned() } else { format!("{} again", birth.boot_id) };
         self.judge(Rule::BootIdNew, is_new, seen);
         let limit = self.timings().answer;
-        let follows = |heard: &Listener| heard.log[at..].iter().any(|entry| is_factsheet(&entry.message)).then_some(());
+        let is_its = |message: &Message| matches!(message, Message::Factsheet(facts) if facts.boot_id == birth.boot_id);
+        let follows = |heard: &Listener| heard.log[at..].iter().any(|entry| is_its(&entry.message)).then_some(());
         let came = self.until(limit, follows).await?.is_some();
         let seen = if came {
             "it followed the birth".to_owned()
@@ -94,17 +100,17 @@ impl Bench {
     }
 }
 
-/// The birth of another boot since `mark`, or else any birth: a robot may introduce earlier boots of which it still has
-/// contacts.
-fn new_birth(heard: &Listener, mark: usize, old: Option<&BootId>) -> Option<(usize, (Connection, bool))> {
-    let mut from = mark;
-    while let Some(birth) = connection(heard, from, ConnectionState::Online) {
-        if Some(&birth.1.0.boot_id) != old {
-            return Some(birth);
-        }
-        from = birth.0 + 1;
-    }
-    connection(heard, mark, ConnectionState::Online)
+/// The first birth since `mark` of a boot that sends statuses after it. A robot may introduce earlier boots of which it still
+/// has contacts, but statuses are of its present boot only.
+pub(super) fn reporting_birth(heard: &Listener, mark: usize) -> Option<(usize, (Connection, bool))> {
+    let mut births = heard.connections(mark).filter(|(_, connection, _)| connection.state == ConnectionState::Online);
+    let birth = births.find(|(at, birth, _)| heard.statuses(*at).any(|(status, _)| status.boot_id == birth.boot_id));
+    birth.map(|(at, birth, is_retained)| (at, (birth.clone(), is_retained)))
+}
+
+/// Boots that have introduced themselves.
+pub(super) fn boots(heard: &Listener) -> BTreeSet<BootId> {
+    heard.connections(0).map(|(_, connection, _)| connection.boot_id.clone()).chain(heard.boot.clone()).collect()
 }
 
 /// The first connection message with this state since `mark`: position in the log, content, and retain flag.

@@ -1,7 +1,7 @@
 //! The steps at a pressure sensor and its valves.
 
 use super::finding::{Finding, Verdict};
-use super::measure::moved_after_s;
+use super::measure::{Level, moved_after_s};
 use super::session::{Ended, Seen, Session};
 use super::{Bench, decimals};
 use crate::driver::Opening;
@@ -10,8 +10,7 @@ use crate::driver::Opening;
 const FIRST_S: f64 = 5.0;
 const VENT_S: f64 = 20.0;
 const SECOND_S: f64 = 1.0;
-/// Difference of the readings of a second at which the chamber is empty, and the fewest of them.
-const STILL_MPA: f64 = 0.000_5;
+/// Fewest readings of a second, or of a level.
 const READINGS: usize = 3;
 /// Largest zero of a sensor, and the least that is worth a correction. MPa.
 const ZERO_MPA: f64 = 0.01;
@@ -19,8 +18,9 @@ const LEAST_ZERO_MPA: f64 = 0.000_05;
 /// Part of the highest pressure above which the chamber is vented, and the part of a regulator's order.
 const CEILING: f64 = 0.2;
 const ASKED: f64 = 0.1;
-/// Change of pressure that counts as moved, in MPa and in differences of the readings at rest.
-const MOVED_MPA: f64 = 0.000_5;
+/// Change of pressure that counts as moved, in MPa and in differences of the readings at rest. A converter of 10 bits and 5 V
+/// has steps of 0.001 22 MPa at a sensor of 4 V/MPa, and its readings jump by one step at rest.
+const MOVED_MPA: f64 = 0.002_5;
 const MOVED_NOISE: f64 = 3.0;
 /// Lengths of the pulses, one after the other until the pressure moves, and of the vent after one that moved nothing: a dead
 /// sensor must not let the air collect. ms.
@@ -42,24 +42,25 @@ pub(super) async fn zero(session: &mut Session<'_>, bench: &mut Bench) -> Result
     if !session.wait(FIRST_S, |seen| !seen.pressures.is_empty()).await? {
         return Ok(vec![Finding::skipped(what, NO_PRESSURE)]);
     }
-    let is_empty = vent(session, bench).await?;
-    let (mean_mpa, range_mpa) = level(session.seen());
+    let level = vent(session, bench).await?;
+    let mean_mpa = level.map_or_else(|| level_of(session.seen()).mean(), Level::mean);
     let value = format!("{} MPa", decimals(mean_mpa, 5));
-    if !is_empty || mean_mpa.abs() > ZERO_MPA {
+    let Some(level) = level.filter(|_| mean_mpa.abs() <= ZERO_MPA) else {
         let text = "the chamber does not empty, or the sensor's line is wrong: check the vent valve, and volts for MPa";
         return Ok(vec![Finding::new(what, value, Verdict::Bad, text)]);
-    }
-    (bench.zero_mpa, bench.noise_mpa) = (Some(mean_mpa), range_mpa);
+    };
+    (bench.zero_mpa, bench.noise_mpa) = (Some(mean_mpa), level.range());
     session.set_zero(mean_mpa);
     let finding = Finding::new(what, value, Verdict::Good, "an empty chamber may read a little above or below 0");
     let is_written = mean_mpa.abs() >= LEAST_ZERO_MPA || bench.has_zero;
     Ok(vec![if is_written { finding.writes("pressure_zero_mpa", decimals(mean_mpa, 6)) } else { finding }])
 }
 
-/// Opens the vent until the readings stand; whether they do.
-async fn vent(session: &mut Session<'_>, bench: &Bench) -> Result<bool, Ended> {
+/// Opens the vent until the readings stand; their level, if they do.
+async fn vent(session: &mut Session<'_>, bench: &Bench) -> Result<Option<Level>, Ended> {
     session.hold(0.0).await;
     let until_s = session.now_s() + VENT_S;
+    let mut before: Option<Level> = None;
     while session.now_s() < until_s {
         if bench.regulate {
             session.pulse(Opening::Vent, 1000.0).await;
@@ -67,21 +68,20 @@ async fn vent(session: &mut Session<'_>, bench: &Bench) -> Result<bool, Ended> {
         session.clear();
         session.wait(SECOND_S, |_| false).await?;
         session.wait(FIRST_S, |seen| seen.pressures.len() >= READINGS).await?;
-        let seen = session.seen();
-        if seen.pressures.len() >= READINGS && level(seen).1 < STILL_MPA {
-            return Ok(true);
+        let level = level_of(session.seen());
+        if level.count() < READINGS {
+            continue;
         }
+        if let Some(still) = before.and_then(|before| level.still_after(before)) {
+            return Ok(Some(still));
+        }
+        before = Some(level);
     }
-    Ok(false)
+    Ok(None)
 }
 
-/// Mean of the readings, and the difference of the largest and the smallest one.
-fn level(seen: &Seen) -> (f64, f64) {
-    let readings = seen.pressures.iter().map(|(_, mpa)| *mpa);
-    let (least, most) =
-        readings.clone().fold((f64::MAX, f64::MIN), |(least, most), mpa| (least.min(mpa), most.max(mpa)));
-    let count = seen.pressures.len().max(1) as f64;
-    (readings.sum::<f64>() / count, (most - least).max(0.0))
+fn level_of(seen: &Seen) -> Level {
+    Level::of(seen.pressures.iter().map(|(_, mpa)| *mpa))
 }
 
 /// Times of the valves, with a pressure of at most a fifth of the highest one.
@@ -102,14 +102,15 @@ pub(super) async fn valves(session: &mut Session<'_>, bench: &mut Bench) -> Resu
         return Ok(vec![Finding::skipped(what, "pressure_max_mpa is too small for the noise of the sensor")]);
     }
     session.guard(zero_mpa + CEILING * bench.max_mpa);
-    let filled = moved(session, bench, true, (zero_mpa, by_mpa), Opening::Fill).await?;
+    // So much that the vent valve, too, can move it by enough.
+    let filled = moved(session, bench, true, (zero_mpa, 2.0 * by_mpa), Opening::Fill).await?;
     session.clear();
     session.wait(LEVEL_S, |seen| seen.pressures.len() >= READINGS).await?;
-    let high_mpa = level(session.seen()).0;
-    let vented = match filled {
+    let high_mpa = level_of(session.seen()).mean();
+    let has_fallen = high_mpa - zero_mpa < 1.5 * by_mpa;
+    let vented = match filled.filter(|_| !has_fallen) {
         Some(Moved { pulse_ms, .. }) => {
-            let by_mpa = -by_mpa.min((high_mpa - zero_mpa) / 2.0).abs();
-            moved(session, bench, pulse_ms.is_some(), (high_mpa, by_mpa), Opening::Vent).await?
+            moved(session, bench, pulse_ms.is_some(), (high_mpa, -by_mpa), Opening::Vent).await?
         }
         None => None,
     };
@@ -127,6 +128,11 @@ pub(super) async fn valves(session: &mut Session<'_>, bench: &mut Bench) -> Resu
     }
     let silent = "the pressure did not rise: open the air supply, and check the fill valve and its wires";
     let Some(filled) = filled else { return Ok(vec![Finding::new("fill valve", String::new(), Verdict::Bad, silent)]) };
+    if has_fallen {
+        let text = "the pressure fell before this valve was opened: look for a leak, and check that the valve closes";
+        let leaking = Finding::new("vent valve", String::new(), Verdict::Bad, text);
+        return Ok(vec![filled.finding("fill valve", every_ms), leaking]);
+    }
     let kept = "the pressure did not fall: check the vent valve and its wires";
     let vented = vented.map_or_else(
         || Finding::new("vent valve", String::new(), Verdict::Bad, kept),

@@ -199,6 +199,59 @@ impl Touch {
     }
 }
 
+/// Difference of the readings of a second of a chamber that stands still, by a fine converter. MPa.
+const STILL_MPA: f64 = 0.000_5;
+/// The same of two seconds by a coarse one: 0.001 22 MPa is a step of 10 bits at a sensor of 4 V/MPa, and 0.004 9 at one of
+/// 1 V/MPa. MPa.
+const STILL_COARSE_MPA: f64 = 0.005;
+
+/// Readings of a pressure in a time. MPa.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Level {
+    count: usize,
+    sum_mpa: f64,
+    least_mpa: f64,
+    most_mpa: f64,
+}
+
+impl Level {
+    pub(super) fn of(readings: impl Iterator<Item = f64>) -> Self {
+        let none = Self { count: 0, sum_mpa: 0.0, least_mpa: f64::MAX, most_mpa: f64::MIN };
+        readings.fold(none, |level, mpa| Self {
+            count: level.count + 1,
+            sum_mpa: level.sum_mpa + mpa,
+            least_mpa: level.least_mpa.min(mpa),
+            most_mpa: level.most_mpa.max(mpa),
+        })
+    }
+
+    pub(super) fn count(self) -> usize {
+        self.count
+    }
+
+    pub(super) fn mean(self) -> f64 {
+        self.sum_mpa / self.count.max(1) as f64
+    }
+
+    /// Difference of the largest reading and the smallest one.
+    pub(super) fn range(self) -> f64 {
+        (self.most_mpa - self.least_mpa).max(0.0)
+    }
+
+    /// The level of this second and the one before, if the pressure stands still. The readings of a coarse converter jump by
+    /// its step also then: they stand if they have not fallen on average.
+    pub(super) fn still_after(self, before: Self) -> Option<Self> {
+        let both = Self {
+            count: self.count + before.count,
+            sum_mpa: self.sum_mpa + before.sum_mpa,
+            least_mpa: self.least_mpa.min(before.least_mpa),
+            most_mpa: self.most_mpa.max(before.most_mpa),
+        };
+        let is_level = both.range() < STILL_COARSE_MPA && self.mean() >= before.mean();
+        (both.range() < STILL_MPA || is_level).then_some(both)
+    }
+}
+
 /// First time after `from_s` at which a reading is `by_mpa` or more beyond that of the time; negative for a fall.
 pub(super) fn moved_after_s(readings: &[(f64, f64)], from_s: f64, from_mpa: f64, by_mpa: f64) -> Option<f64> {
     let after = readings.iter().filter(|(t_s, _)| *t_s >= from_s);
@@ -287,6 +340,37 @@ mod tests {
             let touch = touched(0.005, 0.0, ZERO + 0.003, mm_per_strain);
             assert_eq!(touch.end(), Some(ZERO + 0.003), "{mm_per_strain:?}");
             assert_eq!(touched(0.005, 0.0, 1.0, mm_per_strain).end(), None);
+        }
+    }
+
+    /// A second of four readings by a converter with this step, whose input has a noise of half a step.
+    fn second(mpa: impl Fn(f64) -> f64, step_mpa: f64, at: u64) -> Level {
+        Level::of((4 * at..4 * at + 4).map(|at| {
+            let input_mpa = mpa(at as f64 / 4.0) + 0.5 * step_mpa * noise(at);
+            ((input_mpa / step_mpa).floor() + 0.5) * step_mpa
+        }))
+    }
+
+    /// First second of 20 at which a chamber with this pressure stands still.
+    fn stands_after(mpa: impl Fn(f64) -> f64 + Copy, step_mpa: f64) -> Option<u64> {
+        (1..20).find(|&at| second(mpa, step_mpa, at).still_after(second(mpa, step_mpa, at - 1)).is_some())
+    }
+
+    /// A reading that jumps by one step was never still, so that an empty chamber counted as one that does not empty.
+    #[test]
+    fn regress_an_empty_chamber_stands_still_although_its_converter_is_coarse() {
+        for step_mpa in [0.000_01, 0.000_3, 0.001_22, 0.002_4] {
+            for offset in 0..20 {
+                let rest_mpa = step_mpa * f64::from(offset) / 20.0;
+                let after_s = stands_after(|_| rest_mpa, step_mpa);
+                assert!(after_s.is_some(), "{step_mpa} MPa, {offset}");
+            }
+            for time_s in [0.5, 1.0, 2.0] {
+                let falls = |t_s: f64| 0.1 * (-t_s / time_s).exp();
+                let after_s = stands_after(falls, step_mpa).unwrap();
+                let left_mpa = falls(after_s as f64);
+                assert!(left_mpa < 0.001 + 2.0 * step_mpa, "{step_mpa} MPa, {time_s} s: {left_mpa} MPa");
+            }
         }
     }
 

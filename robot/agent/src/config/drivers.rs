@@ -41,6 +41,19 @@ impl Drivers {
         Ok(())
     }
 
+    /// Whether a driver has a way, or one is missing: several drivers need ways.
+    pub(super) fn has_way(&self) -> bool {
+        let has_way = |one: &FileDriver| {
+            one.command.is_some()
+                || one.unix.is_some()
+                || one.tcp.is_some()
+                || one.listen.is_some()
+                || one.serial.is_some()
+                || one.regulate
+        };
+        self.drivers.len() > 1 || self.drivers.iter().any(has_way)
+    }
+
     /// Checks each driver, and all together: each whisker needs one, and two cannot share a name or a way.
     pub(super) fn checked(self, folder: &Path, arrays: &[ArrayFacts]) -> Result<Vec<DriverConfig>, BadConfig> {
         if self.drivers.is_empty() {

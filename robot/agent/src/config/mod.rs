@@ -228,6 +228,18 @@ impl Config {
         Self::checked(file, path.parent().unwrap_or(Path::new("")))
     }
 
+    /// Reads a file of either kind; whether it names no way to a driver, so that only a program that is the driver itself
+    /// can use it.
+    ///
+    /// # Errors
+    /// Those of [`Config::read`] and [`Config::read_driven_at`].
+    pub fn read_either(path: &Path) -> Result<(Self, bool), BadConfig> {
+        if parsed(&text(path)?)?.driver.has_way() {
+            return Ok((Self::read(path)?, false));
+        }
+        Ok((Self::read_driven_at(path, PathBuf::from("driver"))?, true))
+    }
+
     /// Parses a configuration; paths in it are relative to `folder`.
     ///
     /// # Errors

@@ -63,6 +63,14 @@ fn a_program_that_is_the_driver_needs_no_way_to_it() {
     assert_eq!(problem, "driver: must be one table, because this program is the only driver");
     let problem = read("[driver]\nregulate = true").unwrap_err();
     assert!(problem.starts_with("driver.regulate: must be left out"), "{problem}");
+    let either = |instead: &str| {
+        std::fs::write(&path, EXAMPLE.replacen(driver, instead, 1)).unwrap();
+        Config::read_either(&path).map(|(_, is_driven)| is_driven).map_err(|problem| problem.to_string())
+    };
+    assert_eq!((either(""), either("[driver]\nsilent_s = 2")), (Ok(true), Ok(true)));
+    assert_eq!(either("[driver]\nserial = \"x\""), Ok(false));
+    assert!(either(several).is_ok_and(|is_driven| !is_driven));
+    assert!(either("[driver]\nregulate = true").is_err_and(|problem| !problem.contains("only driver")));
     let problem = read("[driver]\npassword = \"hunter2").unwrap_err();
     assert!(problem.contains("line") && !problem.contains("hunter2"), "{problem}");
     std::fs::remove_dir_all(&folder).unwrap();

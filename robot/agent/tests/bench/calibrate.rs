@@ -113,7 +113,7 @@ fn a_whisker_is_calibrated_step_by_step_and_the_file_is_written() {
             "left/0 travel of the base 30.5 mm - good",
             "left/0 pressure sensor's zero -0.00037 MPa - good",
             "left/0 fill valve",
-            "from a pulse of 10 ms to the first reading that has moved; readings come every",
+            "from a pulse of 40 ms to the first reading that has moved; readings come every",
             "left/0 vent valve",
             "All chambers are empty, and all valves are closed.",
             "agent.toml is written. Start the agent.",
@@ -184,4 +184,50 @@ fn without_answers_or_beside_an_agent_nothing_is_moved() {
     assert!(!ended.status.success() && said.contains("no answer comes any more"), "{said}");
     desk.driver.until(Bench::is_safe);
     desk.driver.look(|bench| assert!(bench.highest_mpa == 0.0, "{}", bench.highest_mpa));
+}
+
+/// An empty chamber counted as one that does not empty, and a step of the converter as air.
+#[test]
+fn regress_the_steps_of_a_coarse_converter_are_neither_air_nor_a_chamber_that_does_not_empty() {
+    for is_shut in [false, true] {
+        let bench = Bench { step_mpa: 0.001_22, is_shut, ..Bench::new() };
+        let desk = Desk::new(if is_shut { "shut" } else { "coarse" }, bench);
+        let (succeeded, said) = desk.follow(desk.start(), |_, _| {});
+        assert!(succeeded, "{said}");
+        let zero = said.lines().find_map(|line| line.strip_prefix("left/0 pressure sensor's zero ")).unwrap();
+        let zero_mpa: f64 = zero.split(' ').next().unwrap().parse().unwrap();
+        assert!(zero.ends_with("above or below 0") && (zero_mpa - ZERO_MPA).abs() < 0.001_22, "{zero}");
+        let valves = if is_shut {
+            ["left/0 fill valve - BAD: the pressure did not rise"; 2]
+        } else {
+            ["from a pulse of ", "left/0 vent valve "]
+        };
+        has_lines(&said, &valves);
+        assert!(is_shut || !said.contains("valve - BAD"), "{said}");
+    }
+}
+
+/// Both refused the file of a robot in Python, which names no way to a driver.
+#[test]
+fn regress_a_file_of_a_program_that_is_the_driver_is_checked_and_calibrate_says_what_it_lacks() {
+    let desk = Desk::new("driven", Bench::new());
+    let text = std::fs::read_to_string(desk.file("agent.toml")).unwrap();
+    let driven: String =
+        text.lines().filter(|line| !line.starts_with("tcp = ")).map(|line| format!("{line}\n")).collect();
+    std::fs::write(desk.file("agent.toml"), driven.replace("regulate = true", "silent_s = 2.0")).unwrap();
+    let run = |argument: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa-robot"));
+        let ended = command.arg(argument).arg("--config").arg(desk.file("agent.toml")).output().unwrap();
+        let said = [ended.stdout, ended.stderr].map(|said| String::from_utf8(said).unwrap()).concat();
+        (ended.status.success(), said)
+    };
+    let (is_good, said) = run("--check");
+    assert!(is_good && said.contains("robot bench of fleet lab is well configured"), "{said}");
+    assert!(said.contains("vibrissa-robot itself does not start with it"), "{said}");
+    let (is_good, said) = run("calibrate");
+    assert!(!is_good && said.contains("the robot's program is the driver. End it, and name a way"), "{said}");
+    std::fs::write(desk.file("agent.toml"), driven.replace("regulate = true", "regulate = true\nsilent_s = 0.0"))
+        .unwrap();
+    let (is_good, said) = run("--check");
+    assert!(!is_good && said.contains("driver.silent_s is 0"), "{said}");
 }

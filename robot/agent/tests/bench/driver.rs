@@ -38,6 +38,9 @@ pub(crate) struct Bench {
     pub(crate) end: f64,
     /// The driver regulates, and knows no `valve`.
     pub(crate) regulates: bool,
+    /// Step of the converter of the pressure, MPa, and whether no air comes.
+    pub(crate) step_mpa: f64,
+    pub(crate) is_shut: bool,
     pub(crate) base_mm: f64,
     /// Largest depth of a touch, with the tick at which it began.
     pub(crate) touch: Option<(f64, u64)>,
@@ -58,6 +61,8 @@ impl Bench {
             per_mm: -0.004,
             end: 0.05,
             regulates: false,
+            step_mpa: 0.0,
+            is_shut: false,
             base_mm: 0.0,
             touch: None,
             pressure_mpa: 0.0,
@@ -98,7 +103,8 @@ impl Bench {
             self.pressure_mpa += way_mpa.clamp(-REGULATED_MPA, REGULATED_MPA);
         }
         if self.fill > 0 {
-            (self.fill, self.pressure_mpa) = (self.fill - 1, self.pressure_mpa + FILLED_MPA);
+            let filled_mpa = if self.is_shut { 0.0 } else { FILLED_MPA };
+            (self.fill, self.pressure_mpa) = (self.fill - 1, self.pressure_mpa + filled_mpa);
         }
         if self.vent > 0 {
             (self.vent, self.pressure_mpa) = (self.vent - 1, self.pressure_mpa * (1.0 - VENTED));
@@ -120,7 +126,11 @@ impl Bench {
         }
         let mut lines = vec![strain];
         if self.ticks.is_multiple_of(5) {
-            let pressure_mpa = self.pressure_mpa + ZERO_MPA;
+            let mut pressure_mpa = self.pressure_mpa + ZERO_MPA;
+            if self.step_mpa > 0.0 {
+                pressure_mpa += 0.5 * self.step_mpa * noise;
+                pressure_mpa = ((pressure_mpa / self.step_mpa).floor() + 0.5) * self.step_mpa;
+            }
             lines.push(json!({"type": "pressure", "whisker": 0, "pressure_mpa": pressure_mpa}));
         }
         lines

@@ -6,11 +6,13 @@
 
 #![no_std]
 
+mod gauge;
 mod line;
 
 use core::fmt::Write as _;
 
 use embedded_hal::digital::OutputPin;
+use gauge::Gauge;
 pub use line::Lines;
 use line::{field, is_text, number};
 use vibrissa_regulator::{Command, Params, Regulator, Valves};
@@ -39,6 +41,8 @@ pub struct Readings {
     pub supply_mpa: Option<f32>,
     /// Strain of the gauge, m/m; not a number if it could not be read.
     pub strain: f32,
+    /// Whether the converter of the strain is at an end of its range, so that the strain may be larger.
+    pub strain_at_end: bool,
     /// Way of the whisker's base by a slide potentiometer, mm, if there is one: without a way the agent makes no contacts of
     /// the strain. Not a number if it could not be read.
     pub deflection_mm: Option<f32>,
@@ -66,6 +70,7 @@ pub struct Board<Fill, Vent> {
     ways_mm: [f32; SAMPLES],
     strain_count: usize,
     strain_first_us: u64,
+    gauge: Gauge,
     next_strain_us: u64,
     next_pressure_us: u64,
     said_hello: bool,
@@ -105,6 +110,7 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
             ways_mm: [0.0; SAMPLES],
             strain_count: 0,
             strain_first_us: 0,
+            gauge: Gauge::default(),
             next_strain_us: 0,
             next_pressure_us: 0,
             said_hello: false,
@@ -189,6 +195,9 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
         readings: Readings,
         lines: &mut Lines<N>,
     ) -> Result<(), PinError> {
+        if lines.forget_old(now_us) {
+            self.said_hello = false;
+        }
         self.pressure_mpa = readings.pressure_mpa;
         if !self.silent && now_us.saturating_sub(self.last_line_us) >= SILENT_US {
             self.silent = true;
@@ -210,7 +219,7 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
 
     fn report<const N: usize>(&mut self, now_us: u64, readings: Readings, lines: &mut Lines<N>) {
         if !self.said_hello {
-            // A restart may have cut a line: the first end of line separates it from this one.
+            // A restart may have cut a line, or nobody took the rest: the first end of line separates it from this one.
             self.said_hello =
                 lines.add(|line| line.write_str("\n{\"type\":\"hello\",\"version\":1,\"name\":\"vibrissa-board\"}"));
         }
@@ -223,6 +232,17 @@ impl<Fill: OutputPin, Vent: OutputPin> Board<Fill, Vent> {
                 line.write_str("\"do\":\"lower pressure_max_mpa in agent.toml, or raise the limit of the board\"}")
             });
             self.refused = !told;
+        }
+        self.gauge.read(readings.strain, readings.strain_at_end);
+        if let Some(word) = self.gauge.due(now_us) {
+            let ms = now_us / 1000;
+            let told = lines.add(|line| {
+                write!(line, "{{\"type\":\"fault\",\"array\":\"{array}\",\"whisker\":{whisker},\"t_ms\":{ms}")?;
+                write!(line, ",\"gauge\":\"{word}\"}}")
+            });
+            if told {
+                self.gauge.told(now_us);
+            }
         }
         let (strain, way_mm) = (readings.strain, readings.deflection_mm.unwrap_or_default());
         // JSON has no NaN: the next reading takes the place of one that failed.

@@ -2,15 +2,21 @@
 
 use core::fmt;
 
+/// Lines that have waited for so long without a byte taken are old: nobody listens. µs.
+const OLD_US: u64 = 500_000;
+
 /// Bytes that wait to be sent.
 pub struct Lines<const N: usize> {
     bytes: [u8; N],
     length: usize,
+    /// Bytes were sent since the last look, and the time of the last look at which that was so. µs.
+    has_moved: bool,
+    moved_us: u64,
 }
 
 impl<const N: usize> Default for Lines<N> {
     fn default() -> Self {
-        Lines { bytes: [0; N], length: 0 }
+        Lines { bytes: [0; N], length: 0, has_moved: false, moved_us: 0 }
     }
 }
 
@@ -33,8 +39,23 @@ impl<const N: usize> Lines<N> {
     /// So many of the first bytes were sent.
     pub fn sent(&mut self, count: usize) {
         let count = count.min(self.length);
+        self.has_moved |= count > 0;
         self.bytes.copy_within(count..self.length, 0);
         self.length -= count;
+    }
+
+    /// Forgets lines that nobody has taken, so that one who comes later hears no old ones; whether there were any. The first of
+    /// them may have been sent in part.
+    pub(crate) fn forget_old(&mut self, now_us: u64) -> bool {
+        let is_old = !self.has_moved && self.length > 0 && now_us.saturating_sub(self.moved_us) >= OLD_US;
+        if self.has_moved || self.length == 0 || is_old {
+            self.has_moved = false;
+            self.moved_us = now_us;
+        }
+        if is_old {
+            self.length = 0;
+        }
+        is_old
     }
 }
 

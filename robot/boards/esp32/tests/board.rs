@@ -37,7 +37,10 @@ struct Bench {
     now_us: u64,
     mpa: f32,
     strain: f32,
+    strain_at_end: bool,
     way_mm: Option<f32>,
+    /// Most bytes that somebody takes at once.
+    takes: usize,
 }
 
 impl Bench {
@@ -53,7 +56,9 @@ impl Bench {
             now_us: 0,
             mpa: 0.0,
             strain: 0.000_1,
+            strain_at_end: false,
             way_mm: None,
+            takes: usize::MAX,
         }
     }
 
@@ -74,10 +79,14 @@ impl Bench {
                 self.mpa -= self.mpa * 0.001;
             }
             let pressure_mpa = ((self.mpa / STEP_MPA).floor() + 0.5) * STEP_MPA;
-            let readings = Readings { pressure_mpa, supply_mpa: None, strain: self.strain, deflection_mm: self.way_mm };
+            let (strain, strain_at_end) = (self.strain, self.strain_at_end);
+            let readings =
+                Readings { pressure_mpa, supply_mpa: None, strain, strain_at_end, deflection_mm: self.way_mm };
             self.board.step(self.now_us, readings, &mut self.lines).unwrap();
-            self.said.push_str(std::str::from_utf8(self.lines.waiting()).unwrap());
-            self.lines.sent(usize::MAX);
+            let waiting = self.lines.waiting();
+            let taken = waiting.len().min(self.takes);
+            self.said.push_str(std::str::from_utf8(&waiting[..taken]).unwrap());
+            self.lines.sent(taken);
         }
     }
 }
@@ -239,5 +248,56 @@ fn regress_an_order_above_the_limit_is_refused_with_a_reason() {
         let refusals =
             bench.said.matches(r#"{"type":"error","array":"left","whisker":1,"problem":"the pressure is above "#);
         assert_eq!(refusals.count(), answers, "{mpa}");
+    }
+}
+
+#[test]
+fn regress_the_condition_of_the_gauge_is_told_repeated_and_taken_back() {
+    let faults = |bench: &mut Bench, seconds: f32| {
+        bench.said.clear();
+        bench.run(seconds);
+        let faults = bench.said.lines().filter(|line| line.contains("\"type\":\"fault\""));
+        faults.map(|line| line.split("\"gauge\":").nth(1).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let mut bench = Bench::new();
+    assert_eq!(faults(&mut bench, 3.0), [""; 0]);
+    bench.strain_at_end = true;
+    assert_eq!(faults(&mut bench, 4.1), ["\"SATURATED\"}"; 3]);
+    bench.strain = f32::NAN;
+    assert_eq!(faults(&mut bench, 2.1), ["\"OPEN\"}"; 2]);
+    (bench.strain, bench.strain_at_end) = (0.000_1, false);
+    assert_eq!(faults(&mut bench, 9.8).last().unwrap(), "\"OPEN\"}");
+    assert_eq!(faults(&mut bench, 0.4).last().unwrap(), "\"OK\"}");
+    assert_eq!(faults(&mut bench, 5.0), [""; 0]);
+    // A single reading, of which no sample is sent.
+    bench.strain_at_end = true;
+    bench.run(0.001);
+    bench.strain_at_end = false;
+    assert_eq!(bench.said.lines().last().unwrap().split("\"gauge\":").nth(1), Some("\"SATURATED\"}"), "{}", bench.said);
+}
+
+#[test]
+fn regress_who_comes_late_hears_no_old_lines() {
+    for takes in [0, 3] {
+        let mut bench = Bench::new();
+        bench.takes = takes;
+        bench.run(0.001);
+        bench.takes = 0;
+        bench.run(60.0);
+        bench.takes = usize::MAX;
+        let begun_ms = bench.now_us / 1000;
+        bench.run(1.0);
+        let mut lines = bench.said.lines();
+        if takes > 0 {
+            let cut = lines.by_ref().take(2).collect::<Vec<_>>();
+            assert_eq!(cut, ["", "{\""], "the line that was cut ends");
+        }
+        let hello = lines.by_ref().find(|line| !line.is_empty()).unwrap();
+        assert!(hello.contains("\"type\":\"hello\""), "{hello}");
+        for line in lines {
+            assert!(line.starts_with("{\"type\":") && line.ends_with('}'), "{line}");
+            let ms: u64 = line.split("\"t_ms\":").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
+            assert!(ms + 700 >= begun_ms, "{ms} {begun_ms}: {line}");
+        }
     }
 }

@@ -23,6 +23,8 @@ const ARRAY: &str = "left";
 const WHISKER: u32 = 0;
 /// Highest pressure that the chamber withstands, MPa.
 const LIMIT_MPA: f32 = 0.2;
+/// Voltages at a pin between which the converter measures, V: beyond, the strain is at an end.
+const CONVERTER_V: core::ops::Range<f32> = 0.005..2.495;
 /// Ratio of the voltage of a sensor to that at the pin. Sensors of 5 V need a divider: the converter reads up to 2.5 V.
 const DIVIDER: f32 = 2.0;
 /// Voltage of the pressure sensor at 0 MPa, V, and its slope, V/MPa.
@@ -64,10 +66,12 @@ fn main() -> ! {
         while let Ok(byte) = usb.read_byte() {
             board.receive(now_us, byte);
         }
+        let strain_v = volts(&mut converter, &mut strain);
         let readings = Readings {
             pressure_mpa: (DIVIDER * volts(&mut converter, &mut pressure) - PRESSURE_ZERO_V) / PRESSURE_V_PER_MPA,
             supply_mpa: None,
-            strain: (DIVIDER * volts(&mut converter, &mut strain) - STRAIN_ZERO_V) * STRAIN_PER_VOLT,
+            strain: (DIVIDER * strain_v - STRAIN_ZERO_V) * STRAIN_PER_VOLT,
+            strain_at_end: !CONVERTER_V.contains(&strain_v),
             deflection_mm: (SLIDE_MM != 0.0).then(|| volts(&mut converter, &mut slide) / SLIDE_END_V * SLIDE_MM),
         };
         // After an error the watchdog is not fed, and restarts the board.

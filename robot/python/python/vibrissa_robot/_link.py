@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import shutil
 import socket
 import struct
@@ -20,6 +21,7 @@ from ._events import line_of
 PATIENCE_S = 5.0
 #: Pause between two attempts to connect, in seconds.
 PAUSE_S = 0.05
+_LOG = logging.getLogger("vibrissa_robot")
 
 
 class AgentEnded(RuntimeError):
@@ -29,11 +31,19 @@ class AgentEnded(RuntimeError):
 class Link:
     """An agent, and the socket to it."""
 
-    def __init__(self, config: Union[str, PathLike[str]], log: str, receive: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(
+        self,
+        config: Union[str, PathLike[str]],
+        log: str,
+        receive: Callable[[dict[str, Any]], None],
+        states: Callable[[], bytes],
+    ) -> None:
         # Only this user can enter the folder.
         self._folder = tempfile.mkdtemp(prefix="vibrissa-robot-")
         self._path = f"{self._folder}/driver"
         self._receive = receive
+        # Lines that a new connection begins with: the agent forgets states of one that has ended.
+        self._states = states
         self._connected = threading.Condition()
         self._socket: Optional[socket.socket] = None
         self.is_closed = False
@@ -98,11 +108,12 @@ class Link:
             self._socket = None
 
     def _run(self) -> None:
-        while self.ended() is None:
+        while (ended := self.ended()) is None:
             opened = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 opened.connect(self._path)
-                opened.sendall(line_of("hello", {"version": 1, "name": "vibrissa-robot for Python"}))
+                hello = line_of("hello", {"version": 1, "name": "vibrissa-robot for Python"})
+                opened.sendall(hello + self._states())
             except OSError:
                 opened.close()
                 time.sleep(PAUSE_S)
@@ -118,6 +129,9 @@ class Link:
                 if self._socket is opened:
                     self._drop()
             time.sleep(PAUSE_S)
+        if not self.is_closed:
+            # A program that only has callbacks sends nothing by which it would notice.
+            _LOG.error("the agent has ended: %s", ended)
         with self._connected:
             self._connected.notify_all()
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, Optional, Protocol, TypeVar, Uni
 
 from ._events import ContactPlace, Event, NoPlace, Refused, WhiskerFacts, event_of, line_of, place_of, whiskers_of
 from ._link import PATIENCE_S, AgentEnded, Link
+from ._states import States
 
 #: Events that wait for the program; beyond that the oldest ones are dropped. The agent repeats pressures.
 EVENTS_MAX = 1000
@@ -49,15 +50,17 @@ class Robot:
     """
 
     def __init__(self, config: Config = "agent.toml", *, log: str = "warn") -> None:
-        self._events: queue.Queue[Event] = queue.Queue(EVENTS_MAX)
+        #: Events, each with whether a callback has taken it.
+        self._events: queue.Queue[tuple[Event, bool]] = queue.Queue(EVENTS_MAX)
         self._callbacks: list[tuple[type[Any], Callable[[Any], object]]] = []
         self._whiskers: list[WhiskerFacts] = []
         self._has_whiskers = threading.Event()
         self._questions = itertools.count()
         self._answers: dict[str, queue.Queue[Union[ContactPlace, NoPlace]]] = {}
-        #: Events that were dropped because nobody took them.
+        #: Events that were dropped because nobody took them: neither the program nor a callback.
         self.dropped = 0
-        self._link = Link(config, log, self._receive)
+        self._states = States()
+        self._link = Link(config, log, self._receive, self._states.lines)
         atexit.register(self.close)
 
     def __enter__(self) -> Robot:
@@ -98,6 +101,7 @@ class Robot:
         ratio: Optional[float] = None,
         ratio_sd: Optional[float] = None,
         tip: Optional[bool] = None,
+        saturated: Optional[bool] = None,
         pressure_mpa: Optional[float] = None,
         temperature_c: Optional[float] = None,
         test_id: Optional[str] = None,
@@ -113,6 +117,8 @@ class Robot:
             distance_mm: Distance from the base, with its standard deviation `distance_sd_mm`.
             ratio: Contact ratio (0: base, 1: tip), with its standard deviation `ratio_sd`.
             tip: True for a contact at the tip.
+            saturated: True if the strain was at an end of the range of gauge or converter, and may have been larger. Nothing
+                is learned from such a contact.
             pressure_mpa: Pressure at the contact; otherwise the newest one of `pressure`.
             temperature_c: Temperature at the contact; otherwise the newest one of `pressure`.
             test_id: Touch test to which the contact belongs.
@@ -149,6 +155,29 @@ class Robot:
     ) -> None:
         """Reports samples of a gauge, of which the agent makes contacts; `every_us` is the spacing of a list."""
         self._send("strain", _without_self(locals()))
+
+    def motion(
+        self,
+        whisker: int,
+        *,
+        deflection_mm: Optional[Samples] = None,
+        distance_mm: Optional[Samples] = None,
+        ratio: Optional[Samples] = None,
+        every_us: Optional[int] = None,
+        test_id: Optional[str] = None,
+        array: Optional[str] = None,
+        t_us: Optional[int] = None,
+    ) -> None:
+        """Reports where the base of a whisker is and what it touches, apart from the strain: the agent joins both by time."""
+        self._send("motion", _without_self(locals()))
+
+    def driving(self, driving: bool) -> None:
+        """Reports that the robot moves from now on, or stands again: the agent then expects shaking."""
+        self._send("driving", _without_self(locals()))
+
+    def task(self, task: bool) -> None:
+        """Reports that the robot is in a task from now on, or not any more: meanwhile it gets no setpoints and tests."""
+        self._send("task", _without_self(locals()))
 
     def pressure(
         self,
@@ -228,7 +257,7 @@ class Robot:
         while True:
             wait_s = 0.1 if until is None else min(0.1, until - time.monotonic())
             try:
-                return self._events.get(timeout=wait_s) if wait_s > 0 else self._events.get_nowait()
+                return (self._events.get(timeout=wait_s) if wait_s > 0 else self._events.get_nowait())[0]
             except queue.Empty:
                 self._check()
                 if until is not None and time.monotonic() >= until:
@@ -252,7 +281,9 @@ class Robot:
             raise ended
 
     def _send(self, kind: str, fields: dict[str, Any]) -> None:
-        self._link.send(line_of(kind, fields))
+        line = line_of(kind, fields)
+        self._states.take(kind, fields)
+        self._link.send(line)
 
     def _receive(self, line: dict[str, Any]) -> None:
         """Takes a line of the agent, in the thread of the link."""
@@ -270,23 +301,23 @@ class Robot:
             return
         if isinstance(event, Refused):
             _LOG.warning("the agent refused a line: %s: %s", event.problem, event.remedy)
+        callbacks = [(kind, function) for kind, function in list(self._callbacks) if isinstance(event, kind)]
         while True:
             try:
-                self._events.put_nowait(event)
+                self._events.put_nowait((event, bool(callbacks)))
                 break
             except queue.Full:
                 try:
-                    self._events.get_nowait()
-                    self.dropped += 1
+                    _, is_taken = self._events.get_nowait()
+                    self.dropped += not is_taken
                 except queue.Empty:
                     pass
-        for kind, function in list(self._callbacks):
-            if isinstance(event, kind):
-                try:
-                    function(event)
-                except BaseException:
-                    # `sys.exit()` ends no program from this thread, and would end the thread without a word.
-                    _LOG.exception("a callback for %s failed", kind.__name__)
+        for kind, function in callbacks:
+            try:
+                function(event)
+            except BaseException:
+                # `sys.exit()` ends no program from this thread, and would end the thread without a word.
+                _LOG.exception("a callback for %s failed", kind.__name__)
 
 
 def _without_self(fields: dict[str, Any]) -> dict[str, Any]:
@@ -352,6 +383,9 @@ class AsyncRobot:
     contact = _awaited(Robot.contact)
     missed = _awaited(Robot.missed)
     strain = _awaited(Robot.strain)
+    motion = _awaited(Robot.motion)
+    driving = _awaited(Robot.driving)
+    task = _awaited(Robot.task)
     pressure = _awaited(Robot.pressure)
     fault = _awaited(Robot.fault)
     test_state = _awaited(Robot.test_state)

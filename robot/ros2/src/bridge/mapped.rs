@@ -7,11 +7,11 @@ use ros2_client::builtin_interfaces::Time;
 use super::{Bridge, Output};
 use crate::lifecycle::Activity;
 use crate::lines::{span_us, strain_line};
-use crate::mapping::{MappedTopic, Mapping, Number, Quantity, Use, Value};
+use crate::mapping::{MappedTopic, Mapping, Number, Path, Quantity, Use, Value};
 use crate::messages::{Header, Strain};
 use crate::words::ToAgent;
 
-/// Time without a message after which a topic is reported as silent, seconds.
+/// Time without a message, or without an element of this name in the messages, after which that is reported, seconds.
 const TOPIC_SILENT_S: f64 = 10.0;
 /// Interval of readings that are constant, seconds.
 const CONSTANT_EVERY_S: f64 = 1.0;
@@ -20,12 +20,30 @@ const PLACE_STALE_S: f64 = 1.0;
 /// Lowest level of diagnostics that is a fault: ERROR.
 const FAULT_LEVEL: f64 = 2.0;
 
+/// Something that must come again and again.
+#[derive(Debug)]
+struct Awaited {
+    /// Index of the topic.
+    topic: usize,
+    /// A value with a name; `None` for any message of the topic.
+    value: Option<Path>,
+    heard_at_s: f64,
+    /// Whether its silence was logged.
+    is_logged: bool,
+}
+
+impl Awaited {
+    fn heard(&mut self, now_s: f64) {
+        (self.heard_at_s, self.is_logged) = (now_s, false);
+    }
+}
+
 /// The mapped topics of a robot whose whiskers are known.
 #[derive(Debug)]
 pub(super) struct Mapped {
     pub(super) mapping: Arc<Mapping>,
-    /// When each topic was last heard, and whether its silence was logged.
-    heard: Vec<(f64, bool)>,
+    /// Messages of each topic, and values with names: others may publish on `/diagnostics` or `/joint_states`, too.
+    awaited: Vec<Awaited>,
     /// Deflection and distance of each whisker, m, and its contact ratio, each with the time of its message.
     motions: Vec<[Option<(f64, f64)>; 3]>,
     /// Whether the robot moves, by the last line to the agent.
@@ -37,10 +55,20 @@ pub(super) struct Mapped {
 
 impl Mapped {
     pub(super) fn new(mapping: Mapping, whiskers: usize, now_s: f64) -> Self {
-        let heard = vec![(now_s, false); mapping.topics.len()];
+        let mut awaited = Vec::new();
+        for (topic, mapped) in mapping.topics.iter().enumerate() {
+            let mut values: Vec<Option<Path>> = vec![None];
+            for path in mapped.named() {
+                if !values.iter().flatten().any(|known| known == path) {
+                    values.push(Some(path.clone()));
+                }
+            }
+            let new = |value| Awaited { topic, value, heard_at_s: now_s, is_logged: false };
+            awaited.extend(values.into_iter().map(new));
+        }
         let motions = vec![[None; 3]; whiskers];
         let constants_at_s = f64::NEG_INFINITY;
-        Self { mapping: Arc::new(mapping), heard, motions, driving: None, task: None, constants_at_s }
+        Self { mapping: Arc::new(mapping), awaited, motions, driving: None, task: None, constants_at_s }
     }
 
     /// Lines of the states that the last messages gave.
@@ -49,27 +77,46 @@ impl Mapped {
         driving.into_iter().chain(self.task.map(|task| ToAgent::Task { task }))
     }
 
-    fn silence(topic: &MappedTopic, age_s: f64) -> String {
-        let MappedTopic { topic, kind, .. } = topic;
-        format!("no message for {age_s:.0} s from {topic} ({kind}): is it published, with this type?")
+    fn silence(&self, awaited: &Awaited, now_s: f64) -> Option<String> {
+        let age_s = now_s - awaited.heard_at_s;
+        let MappedTopic { topic, kind, .. } = self.mapping.topics.get(awaited.topic)?;
+        if age_s < TOPIC_SILENT_S {
+            return None;
+        }
+        let Some(value) = &awaited.value else {
+            return Some(format!(
+                "no message for {age_s:.0} s from {topic} ({kind}): is it published, with this type?"
+            ));
+        };
+        let is_topic = |one: &&Awaited| one.topic == awaited.topic && one.value.is_none();
+        let is_silent = self.awaited.iter().find(is_topic).is_some_and(|one| now_s - one.heard_at_s >= TOPIC_SILENT_S);
+        (!is_silent).then(|| {
+            format!(
+                "no {value} for {age_s:.0} s in the messages of {topic}: does its publisher run, and is the name right?"
+            )
+        })
     }
 
-    /// Topics that are silent.
+    /// Topics and values that are silent.
     pub(super) fn silent(&self, now_s: f64) -> Vec<String> {
-        let topics = self.mapping.topics.iter().zip(&self.heard);
-        let silent = topics.filter(|(_, (at_s, _))| now_s - at_s >= TOPIC_SILENT_S);
-        silent.map(|(topic, (at_s, _))| Self::silence(topic, now_s - at_s)).collect()
+        self.awaited.iter().filter_map(|one| self.silence(one, now_s)).collect()
     }
 
-    /// Topics that have become silent since the last call.
+    /// Those that have become silent since the last call.
     fn newly_silent(&mut self, now_s: f64) -> Vec<String> {
-        let mut newly = Vec::new();
-        for (topic, (at_s, is_logged)) in self.mapping.topics.iter().zip(&mut self.heard) {
-            if now_s - *at_s >= TOPIC_SILENT_S && !std::mem::replace(is_logged, true) {
-                newly.push(Self::silence(topic, now_s - *at_s));
+        let silent: Vec<Option<String>> = self.awaited.iter().map(|one| self.silence(one, now_s)).collect();
+        let both = self.awaited.iter_mut().zip(silent);
+        both.filter_map(|(one, silence)| silence.filter(|_| !std::mem::replace(&mut one.is_logged, true))).collect()
+    }
+
+    /// A message of a topic has come.
+    fn hear(&mut self, topic: usize, message: &Value, now_s: f64) {
+        for one in self.awaited.iter_mut().filter(|one| one.topic == topic) {
+            let has = |value: &Path| !matches!(value.numbers(message), Ok(None));
+            if one.value.as_ref().is_none_or(has) {
+                one.heard(now_s);
             }
         }
-        newly
     }
 }
 
@@ -85,10 +132,10 @@ impl Bridge {
         let Some(mapped) = &mut self.mapped else { return Err("a message of a topic that is not mapped".to_owned()) };
         let mapping = Arc::clone(&mapped.mapping);
         let topic = mapping.topics.get(index).ok_or("a message of a topic that is not mapped")?;
-        mapped.heard[index] = (now_s, false);
         let message = message.map_err(|problem| {
             format!("an unreadable message of {}: {problem}; is its type {}?", topic.topic, topic.kind)
         })?;
+        mapped.hear(index, &message, now_s);
         self.counts.mapped += 1;
         let stamp = topic.stamp_of(&message);
         let mut outputs = Vec::new();
@@ -125,11 +172,16 @@ impl Bridge {
         message: &Value,
     ) -> Result<Option<ToAgent>, String> {
         let (Some(index), Some(mapped)) = (one.index, &mut self.mapped) else { return Ok(None) };
-        let values = one.number.of(message)?;
+        let Some(values) = one.number.of(message)? else { return Ok(None) };
         let first = values.first().copied().ok_or_else(|| format!("{}: the list is empty", one.number.path))?;
         match &one.quantity {
             Quantity::Strain { second, every_us } => {
-                let strain_2 = second.as_ref().map_or(Ok(Vec::new()), |second| second.of(message))?;
+                let strain_2 = second.as_ref().map(|second| second.of(message)).transpose()?;
+                let strain_2 = match strain_2 {
+                    Some(None) => return Ok(None),
+                    Some(Some(strain_2)) => strain_2,
+                    None => Vec::new(),
+                };
                 let header = Header { stamp: stamp.unwrap_or(Time::ZERO), frame_id: String::new() };
                 let samples = Strain {
                     header,
@@ -186,7 +238,7 @@ impl Bridge {
         let Some(mapped) = &mut self.mapped else { return Vec::new() };
         if self.activity == Activity::Idle {
             // Nobody listens.
-            mapped.heard.iter_mut().for_each(|heard| *heard = (now_s, false));
+            mapped.awaited.iter_mut().for_each(|one| one.heard(now_s));
             return Vec::new();
         }
         let mut outputs: Vec<Output> = mapped.newly_silent(now_s).into_iter().map(Output::Log).collect();
@@ -208,5 +260,5 @@ impl Bridge {
 
 /// Whether a number of a message is not 0.
 fn state_of(number: &Number, message: &Value) -> Result<Option<bool>, String> {
-    number.of(message).map(|values| values.first().map(|value| *value != 0.0))
+    number.of(message).map(|values| values.and_then(|values| values.first().map(|value| *value != 0.0)))
 }

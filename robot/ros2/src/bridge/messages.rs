@@ -26,7 +26,9 @@ impl Bridge {
     }
 
     pub(super) fn contact(&mut self, now: Time, contact: Result<Contact, String>) -> Result<Vec<Output>, String> {
-        let contact = contact.map_err(|problem| format!("an unreadable contact: {problem}"))?;
+        let contact = contact.map_err(|problem| {
+            format!("an unreadable contact: {problem}; are the vibrissa_msgs of this version built?")
+        })?;
         Ok(vec![self.contact_of(now, 0, contact)?])
     }
 

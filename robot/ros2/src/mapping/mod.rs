@@ -26,15 +26,15 @@ pub struct Number {
 }
 
 impl Number {
-    /// The values in a message, in the unit of the quantity.
+    /// The values in a message, in the unit of the quantity; `None` if the message has no element of this name.
     ///
     /// # Errors
     /// The message has no such field, or no finite number there.
-    pub fn of(&self, message: &Value) -> Result<Vec<f64>, String> {
-        let values = self.path.numbers(message)?;
+    pub fn of(&self, message: &Value) -> Result<Option<Vec<f64>>, String> {
+        let Some(values) = self.path.numbers(message)? else { return Ok(None) };
         match values.iter().find(|value| !value.is_finite()) {
             Some(value) => Err(format!("{}: is {value}", self.path)),
-            None => Ok(values.into_iter().map(|value| self.scale * value + self.offset).collect()),
+            None => Ok(Some(values.into_iter().map(|value| self.scale * value + self.offset).collect())),
         }
     }
 
@@ -166,10 +166,20 @@ impl MappedTopic {
         definitions::package_and_name(&self.kind)
     }
 
+    /// Its numbers with names, which not every message of the topic has.
+    pub fn named(&self) -> impl Iterator<Item = &Path> {
+        let second = self
+            .uses
+            .iter()
+            .filter_map(|one| if let Quantity::Strain { second, .. } = &one.quantity { second.as_ref() } else { None });
+        let numbers = self.uses.iter().map(|one| &one.number).chain(second).chain(&self.driving).chain(&self.task);
+        numbers.map(|number| &number.path).filter(|path| path.is_named())
+    }
+
     /// The stamp of a message; `None` if its type has none.
     #[must_use]
     pub fn stamp_of(&self, message: &Value) -> Option<Time> {
-        let [sec, nanosec] = self.stamp.as_ref()?.each_ref().map(|path| path.numbers(message).ok()?.first().copied());
+        let [sec, nanosec] = self.stamp.as_ref()?.each_ref().map(|path| path.numbers(message).ok()??.first().copied());
         Some(Time::new(sec? as i32, nanosec? as u32))
     }
 

@@ -141,17 +141,23 @@ impl Path {
         Ok(Self { text: text.to_owned(), steps, is_list: false })
     }
 
+    /// Whether it names an element of a list: messages of other publishers of the topic may have none of this name.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::Keyed(..) | Step::Named { .. }))
+    }
+
     /// Whether it leads to a list of numbers.
     #[must_use]
     pub fn is_list(&self) -> bool {
         self.is_list
     }
 
-    /// The numbers there in a message.
+    /// The numbers there in a message; `None` if no element has the name.
     ///
     /// # Errors
-    /// The message has no such element, or no number there.
-    pub fn numbers(&self, message: &Value) -> Result<Vec<f64>, String> {
+    /// The message is too short, or has no number there.
+    pub fn numbers(&self, message: &Value) -> Result<Option<Vec<f64>>, String> {
         let missing = |what: String| format!("{}: {what}", self.text);
         let mut at = message;
         for step in &self.steps {
@@ -165,7 +171,7 @@ impl Path {
                 (Step::Index(index), Value::Numbers(numbers)) => {
                     let number = numbers.get(*index).copied();
                     return number
-                        .map(|number| vec![number])
+                        .map(|number| Some(vec![number]))
                         .ok_or_else(|| missing(format!("the list has {} elements", numbers.len())));
                 }
                 (Step::Keyed(key, text), Value::Parts(parts)) => {
@@ -173,7 +179,8 @@ impl Path {
                         Value::Parts(fields) => matches!(fields.get(*key), Some(Value::Text(name)) if name == text),
                         Value::Number(_) | Value::Text(_) | Value::Numbers(_) => false,
                     };
-                    parts.iter().find(is_it).ok_or_else(|| missing(format!("no element is named {text:.64}")))?
+                    let Some(found) = parts.iter().find(is_it) else { return Ok(None) };
+                    found
                 }
                 (Step::Named { list, names, text }, Value::Parts(parts)) => {
                     let (Some(Value::Numbers(numbers)), Some(Value::Parts(names))) =
@@ -182,9 +189,9 @@ impl Path {
                         return Err(missing("the message is too short".to_owned()));
                     };
                     let found = names.iter().position(|name| matches!(name, Value::Text(name) if name == text));
-                    let found = found.ok_or_else(|| missing(format!("no element is named {text:.64}")))?;
+                    let Some(found) = found else { return Ok(None) };
                     let number = numbers.get(found).copied();
-                    return number.map(|number| vec![number]).ok_or_else(|| {
+                    return number.map(|number| Some(vec![number])).ok_or_else(|| {
                         missing(format!("{text:.64} is element {found}, and the list has {}", numbers.len()))
                     });
                 }
@@ -192,10 +199,10 @@ impl Path {
             };
         }
         match at {
-            Value::Number(number) => Ok(vec![*number]),
-            Value::Numbers(numbers) => Ok(numbers.clone()),
+            Value::Number(number) => Ok(Some(vec![*number])),
+            Value::Numbers(numbers) => Ok(Some(numbers.clone())),
             Value::Text(text) => match text.trim().parse() {
-                Ok(number) => Ok(vec![number]),
+                Ok(number) => Ok(Some(vec![number])),
                 Err(_) => Err(missing(format!("{text:.64} is no number"))),
             },
             Value::Parts(_) => Err(missing("the message has another form".to_owned())),

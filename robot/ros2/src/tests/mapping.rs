@@ -227,6 +227,41 @@ fn a_topic_that_never_comes_is_named_once_in_the_log_and_in_each_report() {
     assert!(!tick(&mut bridge, 49.9).iter().any(|one| matches!(one, Output::Log(_))));
 }
 
+/// Each message of another node was a fault of the mapping, and a sign of life of the node that had gone.
+#[test]
+fn regress_a_topic_that_others_publish_too_is_no_sign_of_life_of_a_value() {
+    let mut bridge = bridge(&example(), Pressures::Gauge);
+    let stamp = json!([[NOW_S, 0], ""]);
+    let of = |name: &str| json!([stamp, [[0, name, "", "", []]]]);
+    assert_eq!(lines(message(&mut bridge, 0.0, "/diagnostics", &of("valve 1")))[0]["regulator"], "OK");
+    let joints = |name: &str| json!([stamp, [name], [9.0], [], []]);
+    assert_eq!(message(&mut bridge, 0.0, "/joint_states", &joints("slide_0")).len(), 1);
+    let mut logs = Vec::new();
+    for second in 1..=12 {
+        let now_s = f64::from(second);
+        for topic in ["/gauges", "/chambers/p0"] {
+            let fields = if topic == "/gauges" { json!([[[], 0], [1.0, 1.0]]) } else { json!([stamp, 0.0, 0.0]) };
+            message(&mut bridge, now_s, topic, &fields);
+        }
+        message(&mut bridge, now_s, "/wall", &json!([stamp, [0.1, 0.0, 0.0]]));
+        assert_eq!(message(&mut bridge, now_s, "/diagnostics", &of("battery")), [], "no fault of the mapping");
+        assert_eq!(message(&mut bridge, now_s, "/joint_states", &joints("wheel")), []);
+        let log = |output| if let Output::Log(text) = output { Some((second, text)) } else { None };
+        logs.extend(tick(&mut bridge, now_s).into_iter().filter_map(log));
+    }
+    let gone = |path: &str, topic: &str| {
+        let text = "does its publisher run, and is the name right?";
+        (10, format!("no {path} for 10 s in the messages of {topic}: {text}"))
+    };
+    logs.sort();
+    let expected = [gone("position[slide_0]", "/joint_states"), gone("status[valve 1].level", "/diagnostics")];
+    assert_eq!(logs, expected);
+    assert_eq!(summary(&report(tick(&mut bridge, 13.0)), "vibrissa: bridge").0, Level::Warn as u8);
+    assert!(message(&mut bridge, 13.1, "/diagnostics", &of("valve 1")).is_empty());
+    assert_eq!(message(&mut bridge, 13.1, "/joint_states", &joints("slide_0")).len(), 1);
+    assert_eq!(summary(&report(tick(&mut bridge, 14.2)), "vibrissa: bridge").0, Level::Ok as u8);
+}
+
 #[test]
 fn a_list_of_samples_has_their_times_and_the_second_gauge() {
     let text = "whiskers:
@@ -255,10 +290,10 @@ fn messages_without_the_value_are_refused_and_stop_nothing() {
         Some(Output::Log(problem)) => problem,
         other => panic!("{other:?}"),
     };
-    let other = json!([[[0, 0], ""], ["wheel"], [9.0], [], []]);
+    let lacking = json!([[[0, 0], ""], ["wheel", "slide_0"], [9.0], [], []]);
     assert_eq!(
-        problem(message(&mut bridge, 0.0, "/joint_states", &other)),
-        "/joint_states: position[slide_0]: no element is named slide_0"
+        problem(message(&mut bridge, 0.0, "/joint_states", &lacking)),
+        "/joint_states: position[slide_0]: slide_0 is element 1, and the list has 1"
     );
     let short = json!([[[], 0], []]);
     assert_eq!(problem(message(&mut bridge, 0.0, "/gauges", &short)), "/gauges: data[0]: the list has 0 elements");
@@ -375,9 +410,9 @@ fn a_definition_of_an_installed_ros_is_read_with_its_constants_lists_and_package
     ]);
     let message: Value = MessageSeed(layout.clone()).deserialize(&fields).expect("a message");
     let number = |place: &str| Path::find(place, &layout).expect("a place").numbers(&message);
-    assert_eq!(number("gauges[b].raw[2]"), Ok(vec![6.0]));
-    assert_eq!(number("gauges[0].raw"), Ok(vec![1.0, 2.0, 3.0]));
-    assert_eq!(number("spare.raw[0]"), Ok(vec![7.0]));
+    assert_eq!(number("gauges[b].raw[2]"), Ok(Some(vec![6.0])));
+    assert_eq!(number("gauges[0].raw"), Ok(Some(vec![1.0, 2.0, 3.0])));
+    assert_eq!(number("spare.raw[0]"), Ok(Some(vec![7.0])));
     assert!(Path::find("spare.raw[3]", &layout).is_err_and(|problem| problem.contains("has 3 elements")));
     assert!(number("spare.name").is_err_and(|problem| problem == "spare.name: c is no number"));
     std::fs::remove_dir_all(&folder).expect("removal");
