@@ -95,6 +95,20 @@ impl GainWalks {
         GainDoubt { by, variance, rate: mean_of(&|index| RATES[index].powi(2)).sqrt() }
     }
 
+    /// Rate of the walks that contacts speak for, log sensitivity per square root of a contact: 0 before any do.
+    #[must_use]
+    pub fn shown_rate(&self) -> f64 {
+        let taken = usize::from(self.taken) % COUNT;
+        let weight = |index: usize| match f64::from(self.log_ratio[index]) {
+            _ if index == taken => 1.0,
+            ratio if ratio > 0.0 => (ratio + if index > taken { FASTER } else { 0.0 }).exp(),
+            _ => 0.0,
+        };
+        let weights: [f64; COUNT] = std::array::from_fn(weight);
+        let squares = (0..COUNT).map(|index| weights[index] * RATES[index].powi(2));
+        (squares.sum::<f64>() / weights.iter().sum::<f64>()).sqrt()
+    }
+
     /// Compares a contact with each walk, before the length filter learns from it.
     pub fn see(&mut self, seen: &Innovation) {
         let noise = seen.noise_variance;

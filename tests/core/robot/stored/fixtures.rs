@@ -136,10 +136,7 @@ fn by_the_model(line: &str, is_corrected: bool) -> String {
     parted().unwrap_or_else(|| line.to_owned())
 }
 
-/// First version of whiskers whose interval holds the length after a suspected change.
-const SUSPECTED_SINCE: u8 = 19;
-
-/// A line of a description without the standard deviation of the length.
+/// A line of a description without the standard deviation of the length, which states more doubts in later programs.
 fn without_sd(line: &str) -> String {
     let parted = line.split_once("), sd ").and_then(|(before, rest)| Some((before, rest.split_once(" mm, ")?.1)));
     parted.map_or_else(|| line.to_owned(), |(before, after)| format!("{before}) {after}"))
@@ -219,11 +216,8 @@ fn golden_robots_are_read_as_the_program_of_their_version_described_them() {
         }
         let described = std::fs::read_to_string(fixture.path("txt")).unwrap();
         let is_before = fixture.whiskers < CORRECTED_SINCE;
-        let compared = |line: &str, is_corrected| match fixture.whiskers {
-            _ if is_before => by_the_model(line, is_corrected),
-            ..SUSPECTED_SINCE => without_sd(line),
-            SUSPECTED_SINCE.. => String::from(line),
-        };
+        let compared =
+            |line: &str, is_corrected| if is_before { by_the_model(line, is_corrected) } else { without_sd(line) };
         let (now, then): (Vec<_>, Vec<_>) = (
             text.lines().map(|line| compared(line, true)).collect(),
             described.lines().map(|line| compared(line, false)).collect(),
