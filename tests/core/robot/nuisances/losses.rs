@@ -1,5 +1,6 @@
 //! A loss of sensitivity is no change of length, and forgets none.
 
+use vibrissa_core::policy::Mode;
 use vibrissa_core::robot::effect::{AlarmKind, Condition};
 
 use super::rig::Rig;
@@ -26,6 +27,28 @@ fn regress_a_loss_of_sensitivity_keeps_a_cut_and_its_compensation() {
         assert_eq!(rig.core.compensations().len(), 1, "seed {seed}");
         assert!((rig.whiskers[0].pressure.mpa() - pressure.mpa()).abs() < 0.01, "seed {seed}");
         assert_eq!(rig.trims().len(), 1, "seed {seed}");
+    }
+}
+
+/// The whisker became SUSPECTED, as a whole one whose loss ends.
+#[test]
+fn regress_the_end_of_a_loss_of_sensitivity_ends_no_earlier_cut() {
+    for (seed, mode) in (0..SEEDS).flat_map(|seed| [(seed, Mode::Automatic), (seed, Mode::Advise)]) {
+        let mut rig = Rig::new(5200 + seed, 1);
+        rig.params.policy.mode = mode;
+        rig.run(400);
+        rig.whiskers[0].length_mm = 60.0;
+        rig.run(1500);
+        assert_eq!(rig.view(0).condition, Condition::Trimmed, "seed {seed}");
+        rig.whiskers[0].gain = 0.8;
+        rig.run(1000);
+        assert_eq!(rig.view(0).condition, Condition::SensitivityLoss, "seed {seed}");
+        rig.whiskers[0].gain = 1.0;
+        rig.run(3000);
+        let view = rig.view(0);
+        assert_eq!((view.condition, rig.trims().len()), (Condition::Trimmed, 1), "seed {seed}, {mode:?}");
+        let (off_mm, sd_mm) = (view.length.length.mm() - 60.0, view.length.sd_mm);
+        assert!(off_mm.abs() < 1.96 * sd_mm, "seed {seed}, {mode:?}: {off_mm} mm, sd {sd_mm} mm");
     }
 }
 

@@ -46,9 +46,13 @@ impl Robot {
         let length_mm = whisker.filter.length().length.mm();
         let loss_mm = length_mm * (1.0 - change.size.exp());
         let Some(doubt) = Doubt::of(loss_mm) else { return };
+        let is_cut = whisker.is_cut();
         whisker.filter.doubt_gain(slope * doubt.learned_sd_mm() / length_mm, slope);
         whisker.filter.keep_doubt(doubt.sd_mm);
-        self.suspect_length(index, loss_mm, effects);
+        self.test_doubt(index, loss_mm);
+        // The end of a loss ends no earlier cut.
+        let to = if is_cut { Condition::Trimmed } else { Condition::Suspected };
+        self.set_condition(index, to, effects);
     }
 
     /// Puts the length of a whisker in doubt that may have lost this, mm, beside its former doubt: at most `most_mm` in all.
@@ -75,7 +79,8 @@ impl Robot {
         if matches!(whisker.condition, Condition::Trimmed | Condition::Eroding) || !whisker.is_at_nominal_pressure() {
             return false;
         }
-        self.suspect_length(index, loss_mm, effects);
+        self.test_doubt(index, loss_mm);
+        self.set_condition(index, Condition::Suspected, effects);
         true
     }
 
@@ -94,7 +99,8 @@ impl Robot {
         whisker.filter.doubt_whole(doubt.learned_sd_mm(), slopes);
         whisker.filter.keep_doubt(doubt.sd_mm);
         whisker.leaves_whole(whole);
-        self.suspect_length(index, loss_mm, effects);
+        self.test_doubt(index, loss_mm);
+        self.set_condition(index, Condition::Suspected, effects);
     }
 
     /// A suspicion has ended without a verdict about the length, or with a loss of sensitivity: something else explains the
@@ -104,21 +110,20 @@ impl Robot {
         filter.keep_doubt(UNCONFIRMED_SD_MM.max(filter.least_sd_mm().into()));
     }
 
-    /// Suspects a whisker whose length is in doubt, and asks for a test where one can tell.
-    fn suspect_length(&mut self, index: WhiskerIndex, loss_mm: f64, effects: &mut Vec<Effect>) {
+    /// Asks for a test of a length in doubt, where one can tell.
+    fn test_doubt(&mut self, index: WhiskerIndex, loss_mm: f64) {
         let can_test = self.head.touch_tests.tip || self.head.touch_tests.wall;
         let whisker = &mut self.whiskers[index];
         if can_test && loss_mm > 0.0 && whisker.rare.length_test.is_none() {
             whisker.want_test_of_loss(whisker.filter.length().length.mm(), loss_mm);
         }
-        self.set_condition(index, Condition::Suspected, effects);
     }
 
     /// The length is certain again. If it is another one, the whisker was cut.
     pub(super) fn end_doubt(&mut self, index: WhiskerIndex, effects: &mut Vec<Effect>) {
         let whisker = &mut self.whiskers[index];
-        let (length, whole_mm) = (whisker.filter.relative_length(), whisker.sheet.length.mm());
-        if whole_mm - length.length.mm() > LOSS_MIN_MM.max(LOSS_MIN_SD * length.sd_mm) {
+        let whole_mm = whisker.sheet.length.mm();
+        if whisker.is_cut() {
             let confirmed =
                 PendingTrim { length_before_mm: whole_mm, contacts_since_change: 0, contacts_since_confirmed: 0 };
             whisker.rare.get_or_insert().pending_trim = Some(confirmed);
@@ -149,6 +154,12 @@ impl Doubt {
 }
 
 impl Whisker {
+    /// Whether its length is certainly another one than while it was whole.
+    fn is_cut(&self) -> bool {
+        let length = self.filter.relative_length();
+        self.sheet.length.mm() - length.length.mm() > LOSS_MIN_MM.max(LOSS_MIN_SD * length.sd_mm)
+    }
+
     /// A loss of length is in doubt that may be as large as this, mm.
     pub(super) fn doubt_at_least(&mut self, loss_mm: f64) {
         self.filter.keep_doubt((DOUBT_SHARE * loss_mm).max(self.filter.least_sd_mm().into()));
