@@ -5,6 +5,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::Instant;
 use tracing::{info, warn};
+use uuid::Uuid;
 use vibrissa_host::random;
 
 use super::letter::Letter;
@@ -109,11 +110,13 @@ impl Delivery {
 }
 
 /// Identifier of an event for a target: the same at each attempt. After a failover that lost events, a database gives their numbers
-/// to others, at another time.
+/// to others, even to one of the same time: so the identifier has a part of a hash of the content.
 #[must_use]
 pub fn message_id(webhook_id: i64, event: &StoredEvent) -> String {
-    let StoredEvent { event_id, recorded_us, .. } = event;
-    format!("vibrissa-{webhook_id}-{event_id}-{recorded_us}")
+    let StoredEvent { event_id, recorded_us, kind, word, fleet, robot, array, whisker, data, .. } = event;
+    let content = format!("{kind} {word:?} {fleet} {robot:?} {array:?} {whisker:?} {data}");
+    let (content, ..) = Uuid::new_v5(&Uuid::NAMESPACE_OID, content.as_bytes()).as_fields();
+    format!("vibrissa-{webhook_id}-{event_id}-{recorded_us}-{content:08x}")
 }
 
 /// What becomes of an event after an attempt.
@@ -139,6 +142,28 @@ fn jittered(pause: Duration) -> Duration {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A failover lost the first of two events of one time, and the second one got its number.
+    #[test]
+    fn regress_an_event_with_number_and_time_of_a_lost_one_has_an_identifier_of_its_own() {
+        let event = |kind: &str, data: &str| StoredEvent {
+            event_id: 93,
+            tx: 3,
+            recorded_us: 1_800_000_101_431_378,
+            version: 1,
+            kind: kind.to_owned(),
+            word: None,
+            fleet: "f".to_owned(),
+            robot: Some("r".to_owned()),
+            array: Some("left".to_owned()),
+            whisker: Some(1),
+            data: data.to_owned(),
+        };
+        let first = message_id(1, &event("TRIM", "{}"));
+        assert_eq!(first, message_id(1, &event("TRIM", "{}")), "the same at each attempt");
+        let others = [message_id(1, &event("CONDITION", "{}")), message_id(1, &event("TRIM", "{\"trim\":{}}"))];
+        assert!(!others.contains(&first) && others[0] != others[1], "{first} {others:?}");
+    }
 
     #[test]
     fn the_jitter_takes_at_most_half_of_a_pause() {
