@@ -40,6 +40,7 @@ fn contact() -> Contact {
         ratio_sd: 0.0,
         test_id: String::new(),
         missed: false,
+        saturated: false,
     }
 }
 

@@ -180,7 +180,7 @@ async fn regress_what_the_page_derives_from_answers() {
         ]),
     )
     .await;
-    let loaded = "await it.default.load({}).then(({ policies, fleets }) => [policies.length, fleets.length])";
+    let loaded = "await it.default.load({}, {}).then(({ policies, fleets }) => [policies.length, fleets.length])";
     assert_eq!(called(&mut stage, "pages/policy.js", loaded).await, json!([1, 11]));
     let asked = "performance.getEntriesByType('resource').filter(({ name }) => name.includes('/policy')).length";
     assert_eq!(stage.browser.js(asked).await, 0, "of the other fleets");
